@@ -1,0 +1,44 @@
+#pragma once
+
+#include <lightcull/float3.h>
+#include <lightcull/span.h>
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace lightcull {
+
+/// Linear RGB with the sRGB primaries, row 0 at the top.
+struct Image {
+    std::uint32_t width = 0, height = 0;  ///< pixels
+    std::vector<float3> pixels;           ///< width * height, row by row
+};
+
+/// A half holds up to 65504: what lies beyond is stored as that.
+enum class PixelType { kHalf, kFloat };
+
+/// Reads any format that OpenImageIO knows. 8- and 16-bit images are taken as sRGB unless
+/// `linear_data` (roughness maps and the like). Throws Error with the path and the reason.
+Image read_image(const std::string& path, bool linear_data = false);
+
+/// Writes an OpenEXR file, with `metadata` as string attributes. The file appears whole or not at
+/// all. Throws Error with the path and the reason.
+void write_exr(const std::string& path, const Image& image, PixelType type,
+               const std::map<std::string, std::string>& metadata = {});
+
+/// Writes an 8-bit PNG of an image that has been through a view. As write_exr().
+void write_png(const std::string& path, const Image& display,
+               const std::map<std::string, std::string>& metadata = {});
+
+/// Names of the views there are, the default first: "aces" and "srgb", or those of the
+/// configuration that $OCIO names.
+std::vector<std::string> view_names();
+
+/// What a display shows of a linear image: values in [0, 1], encoded. Throws Error for an unknown
+/// view, with the names there are.
+Image apply_view(const Image& linear, std::string_view view, float exposure_stops = 0.0f);
+
+}  // namespace lightcull

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <lightcull/light_sampler.h>
+#include <lightcull/render/scene.h>
+#include <lightcull/samplers.h>
+#include <lightcull/span.h>
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <string_view>
+#include <vector>
+
+namespace lightcull {
+
+/// Which technique finds the light that falls on a surface.
+enum class DirectLight {
+    kMis,    ///< light and BSDF sampling, combined by the balance heuristic
+    kLights, ///< light sampling alone
+    kBsdf,   ///< BSDF sampling alone (points and spots are never found)
+};
+
+struct RenderSettings {
+    std::uint32_t width = 320, height = 240;  ///< pixels
+    std::uint32_t max_depth = 2;  ///< longest path, in edges: 1 sees emitters only, 2 direct light
+    std::uint32_t rr_depth = 5;   ///< Russian roulette from this depth on
+    std::uint64_t seed = 0;
+    std::uint32_t threads = 0;    ///< 0: as many as the machine has
+    DirectLight direct_light = DirectLight::kMis;
+};
+
+struct RenderStats {
+    std::uint64_t passes = 0;        ///< samples per pixel so far
+    double seconds = 0.0;            ///< wall time of render_pass(), the sampler's refits included
+    double selection_seconds = 0.0;  ///< time in LightSampler::select(), summed over threads
+    std::uint64_t selections = 0;
+    std::uint64_t rays = 0;          ///< camera, shadow and scattered rays
+};
+
+/// A progressive path tracer: each pass adds one sample to every pixel. The result depends on the
+/// scene, the settings and the sampler, never on the number of threads.
+class Renderer {
+  public:
+    /// Throws Error if the settings make no sense. The sampler is this renderer's alone.
+    Renderer(std::shared_ptr<const Scene> scene, const RenderSettings& settings,
+             std::unique_ptr<LightSampler> sampler);
+    ~Renderer();
+
+    /// Renders one pass. If `cancel` becomes true meanwhile, the pass is dropped, the image stays
+    /// what it was, and the answer is false.
+    bool render_pass(const std::atomic<bool>* cancel = nullptr);
+
+    /// The mean of all passes, linear RGB, row 0 at the top: height * width. Black before the
+    /// first pass.
+    std::vector<float3> image() const;
+
+    const RenderStats& stats() const noexcept;
+    const LightSampler& sampler() const noexcept;
+
+  private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+/// First hits of camera rays at about `count` pixels spread over the image, with the normal towards
+/// the camera. Fewer where rays leave the scene.
+std::vector<ShadingPoint> camera_points(const Scene& scene, const RenderSettings& settings,
+                                        std::uint32_t count);
+
+/// A sampler over the scene's lights by its description (see make_sampler), calibrated on points
+/// that paths of this scene meet.
+std::unique_ptr<LightSampler> make_scene_sampler(std::string_view description, const Scene& scene,
+                                                 const RenderSettings& settings);
+
+}  // namespace lightcull

@@ -1,0 +1,112 @@
+#pragma once
+
+#include <lightcull/float3.h>
+#include <lightcull/light.h>
+#include <lightcull/span.h>
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace lightcull {
+
+using TextureId = std::uint32_t;
+using MaterialId = std::uint32_t;
+using MeshId = std::uint32_t;
+inline constexpr std::uint32_t kNoTexture = 0xffffffffu;
+
+/// An image of linear RGB, looked up bilinearly and repeated. Row 0 is the top, v = 1.
+struct Texture {
+    std::uint32_t width = 0, height = 0;
+    std::vector<float3> texels;  ///< width * height, row by row
+};
+
+enum class MaterialKind { kDiffuse, kMetallicRoughness };
+
+/// A surface that reflects on both sides. Metallic-roughness is glTF 2.0's model (appendix B):
+/// GGX with Smith masking, F0 0.04 for dielectrics. Texels multiply the factors.
+struct Material {
+    MaterialKind kind = MaterialKind::kDiffuse;
+    float3 base_color{0.5f, 0.5f, 0.5f};  ///< [0, 1]
+    float metallic = 0.0f;                ///< [0, 1]
+    float roughness = 1.0f;               ///< perceptual, [0, 1]: alpha is its square
+    TextureId base_color_texture = kNoTexture;
+    TextureId metallic_roughness_texture = kNoTexture;  ///< green: roughness, blue: metallic
+};
+
+/// What the triangles of a mesh emit: radiance * face_radiance[i] * texture(u, v), each of the
+/// latter two where there is one; W/(m^2 sr). Front: the side where corners run anticlockwise.
+struct Emission {
+    float3 radiance{0.0f, 0.0f, 0.0f};
+    Span<const float3> face_radiance;  ///< none, or one per triangle
+    TextureId texture = kNoTexture;
+    bool two_sided = false;
+};
+
+/// A triangle mesh to be added to a scene, which copies it.
+struct Mesh {
+    std::string name;                 ///< for messages
+    Span<const float3> positions;     ///< metres
+    Span<const std::uint32_t> indices;  ///< three per triangle
+    Span<const float3> normals;       ///< shading normals, none or one per position
+    Span<const float2> uvs;           ///< none or one per position
+    MaterialId material = 0;
+    Emission emission;
+};
+
+/// Thin lens looking from origin to target; a pinhole where aperture_radius is 0.
+struct Camera {
+    float3 origin{0.0f, 0.0f, 1.0f}, target{0.0f, 0.0f, 0.0f}, up{0.0f, 1.0f, 0.0f};
+    float vertical_fov = 0.8f;       ///< radians, (0, pi)
+    float aperture_radius = 0.0f;    ///< metres
+    float focus_distance = 1.0f;     ///< metres
+};
+
+/// Radiance from infinity: scale * a latitude-longitude map, +Y up, the middle column towards -Z
+/// turned by `rotation` radians about +Y. A constant is a map of one texel.
+struct Environment {
+    Texture map;
+    float3 scale{1.0f, 1.0f, 1.0f};
+    float rotation = 0.0f;
+};
+
+/// Geometry, materials, emitters and a camera. Fill it, commit() it, then share it between any
+/// number of renderers and threads. Every add_ and set_ checks what it is given and throws Error.
+class Scene {
+  public:
+    Scene();
+    ~Scene();
+    Scene(const Scene&) = delete;
+    Scene& operator=(const Scene&) = delete;
+
+    TextureId add_texture(Texture texture);
+    MaterialId add_material(const Material& material);
+    MeshId add_mesh(const Mesh& mesh);
+    /// intensity: W/sr, RGB.
+    void add_point_light(float3 position, float3 intensity);
+    /// Full intensity up to `inner` from direction, smoothly to nothing at `outer` (radians).
+    void add_spot_light(float3 position, float3 direction, float3 intensity, float inner,
+                        float outer);
+    void set_environment(Environment environment);
+    void set_camera(const Camera& camera);
+
+    /// Builds what rendering needs (Embree's tree, the lights). Nothing can be added after it.
+    void commit();
+
+    /// The lights that samplers choose from, in the order in which they were added: every emissive
+    /// triangle, point and spot; the environment is not among them. After commit().
+    Span<const Light> lights() const noexcept;
+    std::size_t triangle_count() const noexcept;
+    bool has_environment() const noexcept;
+    const Camera& camera() const noexcept;
+
+    /// For core/render itself.
+    struct Impl;
+    const Impl& impl() const noexcept { return *impl_; }
+
+  private:
+    std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace lightcull

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <lightcull/light_sampler.h>
+
+#include <cstdint>
+#include <vector>
+
+#include "lights/importance.h"
+#include "lights/ranges.h"
+#include "lights/sphere_tree.h"
+#include "lights/sphere_tree_traverse.h"
+
+namespace lightcull {
+
+/// A light whose range covers the point.
+struct Accepted {
+    std::uint32_t record;
+    float importance;  ///< g, > 0
+    float prob;        ///< p, (0, 1]
+};
+
+/// The sphere tree with the random ranges of a pass: finds the lights that are accepted at a point.
+/// Lights are numbered by record; to_record() and to_light() translate. Points are in the units of
+/// frame().
+class CullingTree {
+  public:
+    CullingTree(const LightTable& table, float reach, std::uint32_t set_count);
+
+    /// Draws all ranges of the pass and refits the tree, set by set.
+    void begin_pass(std::uint64_t pass);
+
+    const Frame& frame() const noexcept { return frame_; }
+    const RandomRanges& ranges() const noexcept { return ranges_; }
+    std::size_t light_count() const noexcept { return tree_.records.size(); }
+    const LightRecord& record(std::uint32_t record) const noexcept { return tree_.records[record]; }
+
+    static constexpr std::uint32_t kNoRecord = 0xffffffffu;
+    /// kNoRecord for a light of intensity 0.
+    std::uint32_t to_record(std::uint32_t light) const noexcept { return record_of_[light]; }
+    std::uint32_t to_light(std::uint32_t record) const noexcept { return tree_.lights[record]; }
+
+    /// Calls visit(Accepted) for every light that is accepted at x in `set` and can reach it.
+    template <typename Visit>
+    SelectionCounts for_each_accepted(float3 x, float3 normal, std::uint32_t set,
+                                      Visit&& visit) const noexcept {
+        SelectionCounts counts;
+        const float* radii = radii_.data() + set * tree_.slot_count();
+        counts.nodes_visited = traverse(tree_, radii, x, [&](std::uint32_t record) {
+            ++counts.lights_tested;
+            const LightRecord& light = tree_.records[record];
+            const Approach way = approach(x, light.center);
+            const float distance = distance_to_sphere(way.distance, light);
+            if (!ranges_.accepts(light.intensity, distance, ranges_.xi(record, set))) return;
+            const float g = importance(light, way, normal);
+            if (!(g > 0.0f)) return;
+            ++counts.accepted;
+            visit(Accepted{record, g, ranges_.prob(light.intensity, distance)});
+        });
+        return counts;
+    }
+
+  private:
+    Frame frame_;
+    RandomRanges ranges_;
+    SphereTree tree_;
+    std::vector<std::uint32_t> record_of_;  ///< by light
+    std::vector<float> radii_;              ///< [set][node][slot]
+};
+
+}  // namespace lightcull

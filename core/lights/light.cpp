@@ -1,0 +1,108 @@
+#include <lightcull/light.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/float3_math.h"
+
+namespace lightcull {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+float3 unit(float3 v) noexcept {
+    const float largest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+    if (!(largest > 0.0f)) return {0, 0, 0};
+    const float3 scaled{v.x / largest, v.y / largest, v.z / largest};
+    return scaled * (1.0f / length(scaled));
+}
+
+/// The smallest sphere around a triangle: that of its longest edge if the triangle is obtuse, else
+/// the circumscribed one.
+void set_bounding_sphere(Light& light, float3 a, float3 b, float3 c) noexcept {
+    const float3 corners[3] = {a, b, c};
+    light.center = (a + b) * 0.5f;
+    float longest = -1.0f;
+    for (int i = 0; i < 3; ++i) {
+        const float3 p = corners[i], q = corners[(i + 1) % 3];
+        if (const float edge = length(q - p); edge > longest) {
+            longest = edge;
+            light.center = p + (q - p) * 0.5f;
+        }
+    }
+    const float3 ab = b - a, ac = c - a;
+    const float3 normal = cross(ab, ac);
+    const float normal2 = dot(normal, normal);
+    const float ab2 = dot(ab, ab), ac2 = dot(ac, ac), bc2 = dot(c - b, c - b);
+    const bool acute = ab2 + ac2 > bc2 && ab2 + bc2 > ac2 && ac2 + bc2 > ab2;
+    if (acute && normal2 > 0.0f) {
+        light.center = a + (cross(normal, ab) * ac2 + cross(ac, normal) * ab2) * (0.5f / normal2);
+    }
+    // Measured from the centre that was found, whatever rounding did to it.
+    constexpr float kRoundUp = 1.0f + 1e-6f;
+    light.radius =
+        std::max({length(a - light.center), length(b - light.center), length(c - light.center)}) *
+        kRoundUp;
+}
+
+/// The integral over the sphere of the intensity of Light's profile, relative to its peak: 1 up to
+/// theta_o from the axis, then cos(theta - theta_o) for theta_e more.
+double profile_integral(double theta_o, double theta_e) noexcept {
+    const double end = std::min(theta_o + theta_e, kPi);
+    // Of sin(t) cos(t - theta_o) = (sin(2 t - theta_o) + sin(theta_o)) / 2 from theta_o to end.
+    const double tail = 0.25 * (std::cos(theta_o) - std::cos(2.0 * end - theta_o)) +
+                        0.5 * std::sin(theta_o) * (end - theta_o);
+    return 2.0 * kPi * (1.0 - std::cos(theta_o) + tail);
+}
+
+}  // namespace
+
+Light triangle_light(float3 a, float3 b, float3 c, float radiance, bool two_sided) noexcept {
+    Light light;
+    set_bounding_sphere(light, a, b, c);
+    const float3 normal = cross(b - a, c - a);
+    const float3 axis = unit(normal);
+    const bool has_area = axis.x != 0.0f || axis.y != 0.0f || axis.z != 0.0f;
+    if (has_area) light.axis = axis;
+    light.cos_theta_o = 1.0f;
+    light.intensity = has_area ? radiance * 0.5f * length(normal) : 0.0f;
+    light.two_sided = two_sided;
+    return light;
+}
+
+Light point_light(float3 position, float intensity) noexcept {
+    Light light;
+    light.center = position;
+    light.intensity = intensity;
+    return light;
+}
+
+Light spot_light(float3 position, float3 direction, float intensity, float inner,
+                 float outer) noexcept {
+    Light light = point_light(position, intensity);
+    light.axis = unit(direction);
+    light.cos_theta_o = std::cos(inner);
+    // Beyond 90 degrees a cosine is no bound any more; there the whole fall-off counts as full.
+    const float fall_off = outer - inner;
+    if (fall_off >= static_cast<float>(kPi / 2)) light.cos_theta_o = std::cos(outer);
+    light.cos_theta_e = std::max(0.0f, std::cos(fall_off));
+    return light;
+}
+
+Light bounded_light(float3 box_min, float3 box_max, float3 axis, float cos_theta_o,
+                    float cos_theta_e, bool two_sided, float power) noexcept {
+    Light light;
+    light.center = box_min * 0.5f + box_max * 0.5f;
+    light.radius = length(box_max - light.center) * (1.0f + 1e-6f);
+    light.axis = axis;
+    light.cos_theta_o = cos_theta_o;
+    light.cos_theta_e = cos_theta_e;
+    light.two_sided = two_sided;
+    const double solid_angle =
+        profile_integral(std::acos(std::clamp(static_cast<double>(cos_theta_o), -1.0, 1.0)),
+                         std::acos(std::clamp(static_cast<double>(cos_theta_e), -1.0, 1.0)));
+    light.intensity = static_cast<float>(power / (solid_angle * (two_sided ? 2.0 : 1.0)));
+    return light;
+}
+
+}  // namespace lightcull

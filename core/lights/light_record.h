@@ -1,0 +1,52 @@
+#pragma once
+
+#include <lightcull/light.h>
+#include <lightcull/span.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "base/float3_math.h"
+
+namespace lightcull {
+
+/// What every traversal reads of a light, in the units of a LightTable. The same bytes serve all
+/// back ends.
+struct LightRecord {
+    float3 center;
+    float radius;
+    float intensity;           ///< 1 for the brightest light of the table
+    std::int16_t axis[3];      ///< times kSnorm
+    std::int16_t cos_theta_o;  ///< times kSnorm, rounded to a wider cone
+    std::int16_t cos_theta_e;  ///< times kSnorm, rounded to a wider cone
+    std::uint16_t two_sided;   ///< 0 or 1
+
+    static constexpr float kSnorm = 1.0f / 32767.0f;
+};
+static_assert(sizeof(LightRecord) == 32 && alignof(LightRecord) == 4);
+static_assert(offsetof(LightRecord, radius) == 12 && offsetof(LightRecord, intensity) == 16);
+static_assert(offsetof(LightRecord, axis) == 20 && offsetof(LightRecord, cos_theta_o) == 26);
+static_assert(offsetof(LightRecord, cos_theta_e) == 28 && offsetof(LightRecord, two_sided) == 30);
+
+/// From the caller's metres to the units of a table, in which the lights' bounds lie in about
+/// [-1, 1]: no digits are lost to a far origin, and no power of a length overflows.
+struct Frame {
+    float3 origin{0, 0, 0};  ///< metres
+    float inv_scale = 1.0f;  ///< 1 / metres
+    float intensity = 1.0f;  ///< W/sr of the brightest light
+
+    float3 position(float3 x) const noexcept { return (x - origin) * inv_scale; }
+};
+
+/// A checked copy of a caller's lights; index i is the caller's index.
+struct LightTable {
+    Frame frame;
+    std::vector<LightRecord> records;
+    std::vector<std::uint32_t> lit;  ///< indices of the lights of intensity > 0, ascending
+};
+
+/// Throws Error that names the first light and field that is not as Light documents.
+LightTable make_light_table(Span<const Light> lights);
+
+}  // namespace lightcull

@@ -1,0 +1,26 @@
+#include "lights/set_count.h"
+
+#include <lightcull/error.h>
+
+#include <string>
+
+#include "lights/pattern.h"
+
+namespace lightcull {
+
+void check_set_count(std::uint32_t set_count) {
+    const bool power_of_4 = set_count >= 1 && (1u << (2 * log4_of(set_count))) == set_count;
+    if (!power_of_4 || set_count > kMaxSetCount) {
+        throw Error("sets is " + std::to_string(set_count) + ", wanted a power of 4 from 1 to " +
+                    std::to_string(kMaxSetCount));
+    }
+}
+
+std::uint32_t suitable_set_count(std::size_t lights, std::uint32_t points_per_pass) noexcept {
+    constexpr std::uint32_t kFew = 16, kUsual = 64, kMany = 256, kManyPoints = 640 * 480;
+    if (points_per_pass == 0) return kUsual;
+    if (std::size_t{points_per_pass} * 3 < lights) return kFew;
+    return points_per_pass >= kManyPoints ? kMany : kUsual;
+}
+
+}  // namespace lightcull

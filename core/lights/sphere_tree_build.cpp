@@ -1,0 +1,187 @@
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <limits>
+
+#include "lights/binary_tree.h"
+#include "lights/sphere_tree.h"
+
+namespace lightcull {
+namespace {
+
+constexpr std::uint32_t kWidth = SphereNode::kWidth;
+
+/// Chooses which binary nodes become slots of wide nodes, so that the wide nodes that a point
+/// visits are as few as can be: dynamic programming over the binary tree.
+class Collapse {
+  public:
+    explicit Collapse(const BinaryTree& tree) : tree_(tree), plans_(tree.nodes.size()) {
+        for (std::size_t i = tree.nodes.size(); i-- > 0;) plans_[i] = plan(i);
+    }
+
+    /// The binary nodes that fill the wide node standing for `node`, which is no leaf.
+    std::uint32_t slots_of(std::uint32_t node, std::array<std::uint32_t, kWidth>& slots) const {
+        std::uint32_t count = 0;
+        const std::uint32_t left = plans_[node].left_slots_inside;
+        fill(node + 1, left, slots, count);
+        fill(tree_.nodes[node].right, kWidth - left, slots, count);
+        return count;
+    }
+
+  private:
+    struct Plan {
+        /// Cost of the subtree if it may take up to k + 1 slots.
+        std::array<float, kWidth> cost;
+        /// Of those, how many go to the left child; 0: the node takes one slot itself.
+        std::array<std::uint8_t, kWidth> left_slots;
+        std::uint8_t left_slots_inside;  ///< of the 8 of the wide node that stands for it
+    };
+
+    Plan plan(std::size_t i) const {
+        Plan plan{};
+        const BinaryTree::Node& node = tree_.nodes[i];
+        if (node.right == 0) return plan;
+        const Plan &left = plans_[i + 1], &right = plans_[node.right];
+        for (std::uint32_t slots = kWidth; slots >= 2; --slots) {
+            float best = std::numeric_limits<float>::max();
+            std::uint8_t best_left = 1;
+            for (std::uint32_t l = 1; l < slots; ++l) {
+                const float cost = left.cost[l - 1] + right.cost[slots - l - 1];
+                if (cost < best) {
+                    best = cost;
+                    best_left = static_cast<std::uint8_t>(l);
+                }
+            }
+            if (slots == kWidth) {
+                plan.left_slots_inside = best_left;
+                plan.cost[0] = best + node.visits;
+            }
+            const bool one_slot_does = plan.cost[0] <= best;
+            plan.cost[slots - 1] = one_slot_does ? plan.cost[0] : best;
+            plan.left_slots[slots - 1] = one_slot_does ? std::uint8_t{0} : best_left;
+        }
+        return plan;
+    }
+
+    void fill(std::uint32_t node, std::uint32_t available, std::array<std::uint32_t, kWidth>& slots,
+              std::uint32_t& count) const {
+        const std::uint32_t left = plans_[node].left_slots[available - 1];
+        if (tree_.nodes[node].right == 0 || left == 0) {
+            slots[count++] = node;
+            return;
+        }
+        fill(node + 1, left, slots, count);
+        fill(tree_.nodes[node].right, available - left, slots, count);
+    }
+
+    const BinaryTree& tree_;
+    std::vector<Plan> plans_;
+};
+
+/// Writes the wide nodes, each before those below it, and the records in the order of the leaves.
+class Emitter {
+  public:
+    Emitter(const LightTable& table, const BinaryTree& binary, SphereTree& tree)
+        : table_(table), binary_(binary), collapse_(binary), tree_(tree) {}
+
+    void emit_root() {
+        if (binary_.nodes.size() > 1) {
+            emit(0, 0, 1);
+            return;
+        }
+        tree_.nodes.push_back(empty_node());
+        tree_.parents.push_back(0);
+        tree_.nodes[0].link[0] = emit_light(0);
+    }
+
+  private:
+    static SphereNode empty_node() noexcept {
+        SphereNode node{};
+        std::fill(std::begin(node.link), std::end(node.link), SphereNode::kEmpty);
+        return node;
+    }
+
+    std::uint32_t emit_light(std::uint32_t leaf) {
+        const std::uint32_t light = binary_.nodes[leaf].light;
+        tree_.records.push_back(table_.records[light]);
+        tree_.lights.push_back(light);
+        return SphereNode::kLeaf | static_cast<std::uint32_t>(tree_.records.size() - 1);
+    }
+
+    std::uint32_t emit(std::uint32_t binary_node, std::uint32_t parent, std::uint32_t depth) {
+        assert(depth <= SphereTree::kMaxDepth);
+        const auto index = static_cast<std::uint32_t>(tree_.nodes.size());
+        tree_.nodes.push_back(empty_node());
+        tree_.parents.push_back(parent);
+        std::array<std::uint32_t, kWidth> slots{};
+        const std::uint32_t count = collapse_.slots_of(binary_node, slots);
+        for (std::uint32_t slot = 0; slot < count; ++slot) {
+            const bool leaf = binary_.nodes[slots[slot]].right == 0;
+            const std::uint32_t link = leaf ? emit_light(slots[slot])
+                                            : emit(slots[slot], index * kWidth + slot, depth + 1);
+            tree_.nodes[index].link[slot] = link;
+        }
+        return index;
+    }
+
+    const LightTable& table_;
+    const BinaryTree& binary_;
+    Collapse collapse_;
+    SphereTree& tree_;
+};
+
+/// Centres of slots bottom up. That of an inner slot is the middle of the box around the spheres
+/// below it at a typical range.
+void place_centers(SphereTree& tree, float reach) {
+    std::vector<float> radii(tree.slot_count(), kNoRadius);
+    for (std::size_t n = tree.nodes.size(); n-- > 0;) {
+        SphereNode& node = tree.nodes[n];
+        float3 low{1e30f, 1e30f, 1e30f}, high{-1e30f, -1e30f, -1e30f};
+        for (std::uint32_t slot = 0; slot < kWidth; ++slot) {
+            if (node.link[slot] == SphereNode::kEmpty) continue;
+            float& radius = radii[n * kWidth + slot];
+            if ((node.link[slot] & SphereNode::kLeaf) != 0) {
+                const LightRecord& light = tree.records[node.link[slot] & ~SphereNode::kLeaf];
+                node.x[slot] = light.center.x;
+                node.y[slot] = light.center.y;
+                node.z[slot] = light.center.z;
+                radius = light.radius + std::sqrt(reach * light.intensity);
+            }
+            const float3 r{radius, radius, radius};
+            low = min(low, node.center(slot) - r);
+            high = max(high, node.center(slot) + r);
+        }
+        const float3 middle = low * 0.5f + high * 0.5f;
+        float around = 0.0f;
+        for (std::uint32_t slot = 0; slot < kWidth; ++slot) {
+            if (node.link[slot] == SphereNode::kEmpty) continue;
+            float& distance = tree.parent_distances[n * kWidth + slot];
+            distance = length(node.center(slot) - middle);
+            around = std::max(around, radii[n * kWidth + slot] + distance);
+        }
+        if (n == 0) break;
+        const std::uint32_t above = tree.parents[n];
+        SphereNode& parent = tree.nodes[above / kWidth];
+        parent.x[above % kWidth] = middle.x;
+        parent.y[above % kWidth] = middle.y;
+        parent.z[above % kWidth] = middle.z;
+        radii[above] = around;
+    }
+}
+
+}  // namespace
+
+SphereTree build_sphere_tree(const LightTable& table, float reach) {
+    SphereTree tree;
+    const BinaryTree binary = build_binary_tree(table, reach);
+    if (binary.nodes.empty()) return tree;
+    tree.records.reserve(table.lit.size());
+    tree.lights.reserve(table.lit.size());
+    Emitter(table, binary, tree).emit_root();
+    tree.parent_distances.resize(tree.slot_count(), 0.0f);
+    place_centers(tree, reach);
+    return tree;
+}
+
+}  // namespace lightcull

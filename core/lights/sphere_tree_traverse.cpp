@@ -1,0 +1,85 @@
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "lights/sphere_tree_traverse.cpp"
+#include <hwy/foreach_target.h>
+// Must come after foreach_target.h, which includes this file once per instruction set.
+#include <hwy/cache_control.h>
+#include <hwy/highway.h>
+
+#include <cassert>
+
+#include "lights/sphere_tree_traverse.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace lightcull {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+HWY_ATTR void prefetch(const SphereNode& node, const float* radii) {
+    hwy::Prefetch(node.x);
+    hwy::Prefetch(node.z);
+    hwy::Prefetch(radii);
+}
+
+/// Bit s is set if x is within the sphere of slot s.
+HWY_ATTR std::uint32_t slots_around(const SphereNode& node, const float* radii, float3 x) {
+    const hn::CappedTag<float, SphereNode::kWidth> d;
+    std::uint32_t bits = 0;
+    for (std::size_t slot = 0; slot < SphereNode::kWidth; slot += hn::Lanes(d)) {
+        const auto dx = hn::Sub(hn::Load(d, node.x + slot), hn::Set(d, x.x));
+        const auto dy = hn::Sub(hn::Load(d, node.y + slot), hn::Set(d, x.y));
+        const auto dz = hn::Sub(hn::Load(d, node.z + slot), hn::Set(d, x.z));
+        const auto distance2 = hn::Add(hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)), hn::Mul(dz, dz));
+        const auto r = hn::LoadU(d, radii + slot);
+        // r |r|: the radius of an empty slot is negative.
+        const auto within = hn::Le(distance2, hn::Mul(r, hn::Abs(r)));
+        std::uint8_t bytes[8] = {};
+        hn::StoreMaskBits(d, within, bytes);
+        bits |= std::uint32_t{bytes[0]} << slot;
+    }
+    return bits;
+}
+
+HWY_ATTR void find_leaves_here(const SphereTree& tree, const float* radii, float3 x, TreeWalk& walk,
+                               FoundLeaves& found) {
+    std::uint32_t found_count = 0, stack_size = walk.stack_size;
+    while (stack_size > 0 && found_count + SphereNode::kWidth <= FoundLeaves::kCapacity) {
+        const std::uint32_t n = walk.stack[--stack_size];
+        const SphereNode& node = tree.nodes[n];
+        ++walk.nodes_visited;
+        std::uint32_t bits = slots_around(node, radii + std::size_t{n} * SphereNode::kWidth, x);
+        assert(stack_size + SphereNode::kWidth <= TreeWalk::kStackSize);
+        for (; bits != 0; bits &= bits - 1) {
+            const std::uint32_t link = node.link[hwy::Num0BitsBelowLS1Bit_Nonzero32(bits)];
+            // Written to both, kept in one: which of the two cannot be predicted.
+            const std::uint32_t is_leaf = link >> 31;
+            found.records[found_count] = link & ~SphereNode::kLeaf;
+            walk.stack[stack_size] = link;
+            if (is_leaf == 0) {
+                prefetch(tree.nodes[link], radii + std::size_t{link} * SphereNode::kWidth);
+            } else {
+                hwy::Prefetch(&tree.records[link & ~SphereNode::kLeaf]);
+            }
+            found_count += is_leaf;
+            stack_size += 1 - is_leaf;
+        }
+    }
+    walk.stack_size = stack_size;
+    found.count = found_count;
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace lightcull
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace lightcull {
+
+HWY_EXPORT(find_leaves_here);
+
+void find_leaves(const SphereTree& tree, const float* radii, float3 x, TreeWalk& walk,
+                 FoundLeaves& found) noexcept {
+    HWY_DYNAMIC_DISPATCH(find_leaves_here)(tree, radii, x, walk, found);
+}
+
+}  // namespace lightcull
+#endif

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <lightcull/light.h>
+#include <lightcull/light_sampler.h>
+
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "base/float3_math.h"
+#include "base/random.h"
+
+/// Lights and points that several tests share, all from fixed seeds.
+
+namespace lightcull::testing {
+
+inline float3 random_in_box(RandomStream& random, float half_extent) {
+    const float x = random.next(), y = random.next(), z = random.next();
+    return (float3{x, y, z} * 2.0f - float3{1, 1, 1}) * half_extent;
+}
+
+inline float3 random_direction(RandomStream& random) {
+    for (;;) {
+        const float3 v = random_in_box(random, 1.0f);
+        const float l = length(v);
+        if (l > 0.1f && l <= 1.0f) return v * (1.0f / l);
+    }
+}
+
+/// Triangles (also two-sided), points and spots in a cube of 2 m, intensities over e^(spread).
+inline std::vector<Light> mixed_lights(std::uint32_t count, std::uint64_t seed,
+                                       float spread = 3.0f) {
+    RandomStream random(seed);
+    std::vector<Light> lights;
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const float3 a = random_in_box(random, 1.0f);
+        const float3 d = random_direction(random), e = random_direction(random);
+        const float intensity = std::exp(spread * random.next());
+        switch (i % 5) {
+            case 0:
+                lights.push_back(point_light(a, intensity));
+                break;
+            case 1:
+                lights.push_back(spot_light(a, d, intensity, 0.4f, 0.9f));
+                break;
+            case 2:
+                lights.push_back(
+                    triangle_light(a, a + d * 0.1f, a + e * 0.1f, intensity * 100.0f, true));
+                break;
+            default:
+                lights.push_back(triangle_light(a, a + d * 0.1f, a + e * 0.1f, intensity * 100.0f));
+        }
+    }
+    return lights;
+}
+
+inline std::vector<ShadingPoint> mixed_points(std::uint32_t count, std::uint64_t seed,
+                                              std::uint32_t set_count, float half_extent = 1.2f) {
+    RandomStream random(seed);
+    std::vector<ShadingPoint> points;
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const float3 x = random_in_box(random, half_extent);
+        const float3 n = i % 4 == 3 ? float3{0, 0, 0} : random_direction(random);
+        points.push_back({x, n, static_cast<std::uint32_t>(hash(i, seed) % set_count)});
+    }
+    return points;
+}
+
+/// The two-sided quantile of the normal distribution that `tests` independent z-scores together
+/// exceed with a probability of `false_alarms` (Sidak).
+inline double sidak_z(double false_alarms, double tests) {
+    const double each = -std::expm1(std::log1p(-false_alarms) / tests);
+    double low = 0.0, high = 20.0;
+    for (int i = 0; i < 100; ++i) {
+        const double z = 0.5 * (low + high);
+        (std::erfc(z / std::sqrt(2.0)) > each ? low : high) = z;
+    }
+    return high;
+}
+
+}  // namespace lightcull::testing
