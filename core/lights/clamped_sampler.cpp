@@ -1,5 +1,6 @@
 #include <lightcull/samplers.h>
 
+#include <array>
 #include <vector>
 
 #include "lights/importance.h"
@@ -7,6 +8,7 @@
 #include "lights/ranges.h"
 #include "lights/reservoir.h"
 #include "lights/sphere_tree.h"
+#include "lights/sphere_tree_refit.h"
 #include "lights/sphere_tree_traverse.h"
 
 namespace lightcull {
@@ -21,10 +23,10 @@ class ClampedSampler final : public LightSampler {
           ranges_(reach, 1),
           tree_(build_sphere_tree(table_, reach)),
           radii_(tree_.slot_count()) {
-        const auto range_of = [&](std::uint32_t record) {
-            return ranges_.range(tree_.records[record].intensity, 1.0f);
+        const auto ranges_of = [&](std::uint32_t record, std::array<float, 1>& out) {
+            out[0] = ranges_.range(tree_.records[record].intensity, 1.0f);
         };
-        refit_radii(tree_, range_of, radii_.data());
+        refit_radii<1>(tree_, ranges_of, radii_.data());
     }
 
     using LightSampler::select;
@@ -35,10 +37,9 @@ class ClampedSampler final : public LightSampler {
         Reservoir reservoir(u);
         for_each_in_range(point,
                           [&](std::uint32_t record, float g) { reservoir.add(record, g, g); });
-        const Reservoir::Choice& choice = reservoir.finish();
         const Receipt receipt{reservoir.weight_sum(), 0};
-        if (choice.weight == 0.0f) return {0, 0.0f, receipt};
-        return {tree_.lights[choice.light], choice.numerator / receipt.weight_sum, receipt};
+        if (!reservoir.chosen()) return {0, 0.0f, receipt};
+        return {tree_.lights[reservoir.light()], reservoir.prob(), receipt};
     }
 
     float prob(const ShadingPoint& point, const Receipt& receipt,

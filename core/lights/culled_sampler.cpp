@@ -1,9 +1,12 @@
 #include <lightcull/samplers.h>
 
 #include <algorithm>
-#include <utility>
+#include <vector>
 
+#include "lights/culled_packet.h"
 #include "lights/culling_tree.h"
+#include "lights/parallel_blocks.h"
+#include "lights/point_order.h"
 #include "lights/range_calibration.h"
 #include "lights/reservoir.h"
 #include "lights/set_count.h"
@@ -29,25 +32,21 @@ class CulledSampler final : public LightSampler {
             reservoir.add(accepted.record, accepted.importance,
                           accepted.importance / accepted.prob);
         });
-        const Reservoir::Choice& choice = reservoir.finish();
         const Receipt receipt{reservoir.weight_sum(), point.set};
-        if (choice.weight == 0.0f) return {0, 0.0f, receipt};
-        return {tree_.to_light(choice.light), choice.numerator / receipt.weight_sum, receipt};
+        if (!reservoir.chosen()) return {0, 0.0f, receipt};
+        return {tree_.to_light(reservoir.light()), reservoir.prob(), receipt};
     }
 
-    /// Points of one set after the other, so that the radii of one are read at a time.
+    /// Sixteen points at a time, of one set and near each other.
     void select(Span<const ShadingPoint> points, Span<const float> u,
                 Span<Selection> selections) const noexcept override {
-        std::uint32_t next_of_set[kMaxSetCount];
-        std::uint32_t order[kOrderedPoints];
-        for (std::size_t begin = 0; begin < points.size(); begin += kOrderedPoints) {
-            const std::size_t count = std::min(points.size() - begin, kOrderedPoints);
-            order_by_set({points.data() + begin, count}, next_of_set, order);
-            for (std::size_t i = 0; i < count; ++i) {
-                const std::size_t at = begin + order[i];
-                selections[at] = select(points[at], u[at]);
+        const std::vector<std::uint32_t> order = order_points(points, set_count());
+        constexpr std::size_t kBlock = 16 * PointPacket::kSize;
+        for_each_block(points.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+            while (begin < end) {
+                begin += select_some({order.data() + begin, end - begin}, points, u, selections);
             }
-        }
+        });
     }
 
     /// g_i / W', with W' = W if light i was accepted, else W + w_i (DESIGN section 3, MIS).
@@ -75,18 +74,44 @@ class CulledSampler final : public LightSampler {
     }
 
   private:
-    static constexpr std::size_t kOrderedPoints = 8192;
-
-    /// Counting sort.
-    void order_by_set(Span<const ShadingPoint> points, std::uint32_t* next_of_set,
-                      std::uint32_t* order) const noexcept {
-        std::fill_n(next_of_set, set_count(), 0u);
-        for (const ShadingPoint& point : points) ++next_of_set[point.set];
-        std::uint32_t sum = 0;
-        for (std::uint32_t set = 0; set < set_count(); ++set) {
-            sum += std::exchange(next_of_set[set], sum);
+    /// As many of the points that `order` names as go into one packet; their number.
+    std::size_t select_some(Span<const std::uint32_t> order, Span<const ShadingPoint> points,
+                            Span<const float> u, Span<Selection> selections) const noexcept {
+        PointPacket packet;
+        packet.set = points[order[0]].set;
+        std::size_t count = 0;
+        while (count < std::min(order.size(), PointPacket::kSize) &&
+               points[order[count]].set == packet.set) {
+            put(points[order[count]], u[order[count]], packet, count);
+            ++count;
         }
-        for (std::uint32_t i = 0; i < points.size(); ++i) order[next_of_set[points[i].set]++] = i;
+        // Places left over repeat the first point.
+        for (std::size_t i = count; i < PointPacket::kSize; ++i) {
+            put(points[order[0]], u[order[0]], packet, i);
+        }
+        PacketChoice choice;
+        select_packet(tree_, packet, choice);
+        for (std::size_t i = 0; i < count; ++i) {
+            Selection& selection = selections[order[i]];
+            const float sum = choice.weight_sum[i];
+            selection = {0, 0.0f, {sum, packet.set}};
+            if (!(sum > 0.0f)) continue;
+            selection.light = tree_.to_light(choice.record[i]);
+            selection.prob = choice.numerator[i] / sum;
+        }
+        return count;
+    }
+
+    void put(const ShadingPoint& point, float u, PointPacket& packet,
+             std::size_t i) const noexcept {
+        const float3 x = tree_.frame().position(point.position);
+        packet.x[i] = x.x;
+        packet.y[i] = x.y;
+        packet.z[i] = x.z;
+        packet.normal_x[i] = point.normal.x;
+        packet.normal_y[i] = point.normal.y;
+        packet.normal_z[i] = point.normal.z;
+        packet.u_bits[i] = float_bits(u);
     }
 
     CullingTree tree_;

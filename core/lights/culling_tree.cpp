@@ -2,6 +2,8 @@
 
 #include <tbb/parallel_for.h>
 
+#include "lights/sphere_tree_refit.h"
+
 namespace lightcull {
 
 CullingTree::CullingTree(const LightTable& table, float reach, std::uint32_t set_count)
@@ -17,12 +19,22 @@ CullingTree::CullingTree(const LightTable& table, float reach, std::uint32_t set
 
 void CullingTree::begin_pass(std::uint64_t pass) {
     ranges_.begin_pass(pass);
-    tbb::parallel_for(std::uint32_t{0}, ranges_.set_count(), [&](std::uint32_t set) {
-        const auto range_of = [&](std::uint32_t record) {
-            return ranges_.range(tree_.records[record].intensity, ranges_.xi(record, set));
-        };
-        refit_radii(tree_, range_of, radii_.data() + set * tree_.slot_count());
-    });
+    constexpr std::uint32_t kTogether = 16;
+    const std::uint32_t sets = ranges_.set_count();
+    if (sets < kTogether) {
+        for (std::uint32_t set = 0; set < sets; ++set) refit<1>(set);
+    } else {
+        tbb::parallel_for(std::uint32_t{0}, sets / kTogether,
+                          [&](std::uint32_t block) { refit<kTogether>(block * kTogether); });
+    }
+}
+
+template <std::size_t kSets>
+void CullingTree::refit(std::uint32_t first_set) {
+    const auto ranges_of = [&](std::uint32_t record, std::array<float, kSets>& out) {
+        ranges_.ranges(record, first_set, tree_.records[record].intensity, out);
+    };
+    refit_radii<kSets>(tree_, ranges_of, radii_.data() + first_set * tree_.slot_count());
 }
 
 }  // namespace lightcull

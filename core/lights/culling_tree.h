@@ -2,6 +2,7 @@
 
 #include <lightcull/light_sampler.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -31,7 +32,11 @@ class CullingTree {
 
     const Frame& frame() const noexcept { return frame_; }
     const RandomRanges& ranges() const noexcept { return ranges_; }
-    std::size_t light_count() const noexcept { return tree_.records.size(); }
+    const SphereTree& tree() const noexcept { return tree_; }
+    /// [node][slot]
+    const float* radii(std::uint32_t set) const noexcept {
+        return radii_.data() + set * tree_.slot_count();
+    }
     const LightRecord& record(std::uint32_t record) const noexcept { return tree_.records[record]; }
 
     static constexpr std::uint32_t kNoRecord = 0xffffffffu;
@@ -44,8 +49,7 @@ class CullingTree {
     SelectionCounts for_each_accepted(float3 x, float3 normal, std::uint32_t set,
                                       Visit&& visit) const noexcept {
         SelectionCounts counts;
-        const float* radii = radii_.data() + set * tree_.slot_count();
-        counts.nodes_visited = traverse(tree_, radii, x, [&](std::uint32_t record) {
+        counts.nodes_visited = traverse(tree_, radii(set), x, [&](std::uint32_t record) {
             ++counts.lights_tested;
             const LightRecord& light = tree_.records[record];
             const Approach way = approach(x, light.center);
@@ -60,6 +64,10 @@ class CullingTree {
     }
 
   private:
+    /// The radii of sets [first_set, first_set + kSets).
+    template <std::size_t kSets>
+    void refit(std::uint32_t first_set);
+
     Frame frame_;
     RandomRanges ranges_;
     SphereTree tree_;

@@ -22,10 +22,8 @@ class ExhaustiveSampler final : public LightSampler {
             const float g = importance_at(x, point.normal, i);
             if (g > 0.0f) reservoir.add(i, g, g);
         }
-        const Reservoir::Choice& choice = reservoir.finish();
-        if (choice.weight == 0.0f) return {};
-        const float sum = reservoir.weight_sum();
-        return {choice.light, choice.numerator / sum, {sum, 0}};
+        if (!reservoir.chosen()) return {};
+        return {reservoir.light(), reservoir.prob(), {reservoir.weight_sum(), 0}};
     }
 
     float prob(const ShadingPoint& point, const Receipt& receipt,

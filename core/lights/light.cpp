@@ -81,7 +81,7 @@ Light spot_light(float3 position, float3 direction, float intensity, float inner
                  float outer) noexcept {
     Light light = point_light(position, intensity);
     light.axis = unit(direction);
-    light.cos_theta_o = std::cos(inner);
+    light.cos_theta_o = std::min(std::cos(inner), std::nextafter(1.0f, 0.0f));  // not flat
     // Beyond 90 degrees a cosine is no bound any more; there the whole fall-off counts as full.
     const float fall_off = outer - inner;
     if (fall_off >= static_cast<float>(kPi / 2)) light.cos_theta_o = std::cos(outer);
@@ -95,7 +95,8 @@ Light bounded_light(float3 box_min, float3 box_max, float3 axis, float cos_theta
     light.center = box_min * 0.5f + box_max * 0.5f;
     light.radius = length(box_max - light.center) * (1.0f + 1e-6f);
     light.axis = axis;
-    light.cos_theta_o = cos_theta_o;
+    // The box does not say where the plane of a flat light lies.
+    light.cos_theta_o = std::min(cos_theta_o, std::nextafter(1.0f, 0.0f));
     light.cos_theta_e = cos_theta_e;
     light.two_sided = two_sided;
     const double solid_angle =

@@ -63,7 +63,9 @@ LightRecord to_record(const Light& light, const Frame& frame) noexcept {
         record.axis[1] = to_snorm(light.axis.y);
         record.axis[2] = to_snorm(light.axis.z);
     }
-    record.cos_theta_o = to_wider_cone(light.cos_theta_o, kAxisRounding);
+    record.cos_theta_o = light.cos_theta_o == 1.0f
+                             ? LightRecord::kFlat
+                             : to_wider_cone(light.cos_theta_o, kAxisRounding);
     record.cos_theta_e = std::max<std::int16_t>(0, to_wider_cone(light.cos_theta_e, 0.0));
     return record;
 }

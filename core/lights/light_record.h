@@ -18,11 +18,12 @@ struct LightRecord {
     float radius;
     float intensity;           ///< 1 for the brightest light of the table
     std::int16_t axis[3];      ///< times kSnorm
-    std::int16_t cos_theta_o;  ///< times kSnorm, rounded to a wider cone
+    std::int16_t cos_theta_o;  ///< times kSnorm, rounded to a wider cone; kFlat: flat
     std::int16_t cos_theta_e;  ///< times kSnorm, rounded to a wider cone
     std::uint16_t two_sided;   ///< 0 or 1
 
     static constexpr float kSnorm = 1.0f / 32767.0f;
+    static constexpr std::int16_t kFlat = 32767;
 };
 static_assert(sizeof(LightRecord) == 32 && alignof(LightRecord) == 4);
 static_assert(offsetof(LightRecord, radius) == 12 && offsetof(LightRecord, intensity) == 16);

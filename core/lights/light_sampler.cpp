@@ -2,13 +2,17 @@
 
 #include <algorithm>
 
+#include "lights/parallel_blocks.h"
 #include "lights/pattern.h"
 
 namespace lightcull {
 
 void LightSampler::select(Span<const ShadingPoint> points, Span<const float> u,
                           Span<Selection> selections) const noexcept {
-    for (std::size_t i = 0; i < points.size(); ++i) selections[i] = select(points[i], u[i]);
+    constexpr std::size_t kBlock = 256;
+    for_each_block(points.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) selections[i] = select(points[i], u[i]);
+    });
 }
 
 float LightSampler::vertex_prob(const ShadingPoint&, const Receipt&, std::uint32_t,

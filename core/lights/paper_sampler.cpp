@@ -142,12 +142,10 @@ class PaperSampler final : public LightSampler {
         return selection(reservoir, point.set, list.keep_prob());
     }
 
-    Selection selection(Reservoir& reservoir, std::uint32_t set, float keep_prob) const noexcept {
-        const Reservoir::Choice& choice = reservoir.finish();
+    Selection selection(const Reservoir& reservoir, std::uint32_t set, float keep_prob) const noexcept {
         const Receipt receipt{reservoir.weight_sum(), set};
-        if (choice.weight == 0.0f) return {0, 0.0f, receipt};
-        return {tree_.to_light(choice.light), keep_prob * (choice.numerator / receipt.weight_sum),
-                receipt};
+        if (!reservoir.chosen()) return {0, 0.0f, receipt};
+        return {tree_.to_light(reservoir.light()), keep_prob * reservoir.prob(), receipt};
     }
 
     CullingTree tree_;

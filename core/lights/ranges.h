@@ -1,11 +1,13 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <vector>
 
 #include "base/random.h"
+#include "base/scramble.h"
 #include "lights/light_record.h"
 #include "lights/pattern.h"
 
@@ -36,10 +38,7 @@ class RandomRanges {
     /// xi_i of the light in a set: uniform in (0, 1], independent from light to light, and in set s
     /// that of set 0 turned by rank(s) / set_count. The exponent is a full one: 2^-56 can occur.
     float xi(std::uint32_t light, std::uint32_t set) const noexcept {
-        const std::uint32_t high = scramble(scramble(light ^ key_low_) + key_high_);
-        const std::uint32_t low = scramble(high + key_low_) >> 8;
-        const auto turned = static_cast<float>(high + ranks_[set]);
-        return (turned + (static_cast<float>(low) + 1.0f) * 0x1p-24f) * 0x1p-32f;
+        return turned(digits(light), set);
     }
 
     /// The distance, from a light's bounding sphere, at which p_i falls to xi: [TH16] Eq. 3.
@@ -47,23 +46,43 @@ class RandomRanges {
         return std::sqrt(reach_ * intensity / xi);
     }
 
+    /// The ranges of a light in sets first_set and following.
+    template <std::size_t kSets>
+    void ranges(std::uint32_t light, std::uint32_t first_set, float intensity,
+                std::array<float, kSets>& out) const noexcept {
+        const Digits of_light = digits(light);
+        for (std::uint32_t i = 0; i < kSets; ++i) {
+            out[i] = range(intensity, turned(of_light, first_set + i));
+        }
+    }
+
+    /// The square of the range of a light of that intensity at xi = 1: 1 / alpha_i.
+    float limit(float intensity) const noexcept { return reach_ * intensity; }
+
     /// p_i at a distance from the bounding sphere, 0 inside: [TH16] Eq. 1.
     float prob(float intensity, float distance) const noexcept {
-        const float limit = reach_ * intensity, distance2 = distance * distance;
-        return distance2 <= limit ? 1.0f : limit / distance2;
+        const float distance2 = distance * distance;
+        return distance2 <= limit(intensity) ? 1.0f : limit(intensity) / distance2;
     }
 
     /// p_i >= xi, without a division.
     bool accepts(float intensity, float distance, float xi) const noexcept {
-        return distance * distance * xi <= reach_ * intensity;
+        return distance * distance * xi <= limit(intensity);
     }
 
   private:
-    /// The finaliser of MurmurHash3 for 32 bits, which GPUs have arithmetic for.
-    static constexpr std::uint32_t scramble(std::uint32_t x) noexcept {
-        x = (x ^ (x >> 16)) * 0x85ebca6bu;
-        x = (x ^ (x >> 13)) * 0xc2b2ae35u;
-        return x ^ (x >> 16);
+    /// xi before it is turned, as high * 2^-32 + low * 2^-56.
+    struct Digits {
+        std::uint32_t high;
+        float low;
+    };
+
+    Digits digits(std::uint32_t light) const noexcept {
+        const std::uint32_t high = scramble(scramble(light ^ key_low_) + key_high_);
+        return {high, static_cast<float>(scramble(high + key_low_) >> 8) + 1.0f};
+    }
+    float turned(Digits digits, std::uint32_t set) const noexcept {
+        return (static_cast<float>(digits.high + ranks_[set]) + digits.low * 0x1p-24f) * 0x1p-32f;
     }
 
     float reach_;

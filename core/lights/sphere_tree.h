@@ -2,7 +2,6 @@
 
 #include <lightcull/span.h>
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -36,7 +35,6 @@ inline constexpr float kNoRadius = -1.0f;
 struct SphereTree {
     std::vector<SphereNode> nodes;
     std::vector<float> parent_distances;  ///< [node][slot]: to the centre of the slot above
-    std::vector<std::uint32_t> parents;   ///< [node]: the slot above, 8 * node + slot
     std::vector<LightRecord> records;     ///< in the order of the leaves
     std::vector<std::uint32_t> lights;    ///< by record: index in the caller's array
 
@@ -51,32 +49,5 @@ struct SphereTree {
 /// together lie together, for ranges of reach * intensity (see RandomRanges). Runs in the caller's
 /// TBB arena; the result does not depend on it.
 SphereTree build_sphere_tree(const LightTable& table, float reach);
-
-/// Radii of all slots of one set, bottom up: range_of(record) beyond the light's own sphere for a
-/// leaf, and for an inner slot the smallest that holds the spheres below it.
-template <typename RangeOf>
-void refit_radii(const SphereTree& tree, RangeOf&& range_of, float* radii) noexcept {
-    // Each step grows by more than the rounding of its sums and distances.
-    constexpr float kRoundUp = 1.0f + 1e-6f;
-    for (std::size_t n = tree.nodes.size(); n-- > 0;) {
-        const SphereNode& node = tree.nodes[n];
-        float* own = radii + n * SphereNode::kWidth;
-        const float* distances = tree.parent_distances.data() + n * SphereNode::kWidth;
-        float around = 0.0f;
-        for (std::uint32_t slot = 0; slot < SphereNode::kWidth; ++slot) {
-            const std::uint32_t link = node.link[slot];
-            if (link == SphereNode::kEmpty) {
-                own[slot] = kNoRadius;
-                continue;
-            }
-            if ((link & SphereNode::kLeaf) != 0) {
-                const std::uint32_t record = link & ~SphereNode::kLeaf;
-                own[slot] = (tree.records[record].radius + range_of(record)) * kRoundUp;
-            }
-            around = std::max(around, own[slot] + distances[slot]);
-        }
-        if (n > 0) radii[tree.parents[n]] = around * kRoundUp;
-    }
-}
 
 }  // namespace lightcull

@@ -87,11 +87,10 @@ class Emitter {
 
     void emit_root() {
         if (binary_.nodes.size() > 1) {
-            emit(0, 0, 1);
+            emit(0, 1);
             return;
         }
         tree_.nodes.push_back(empty_node());
-        tree_.parents.push_back(0);
         tree_.nodes[0].link[0] = emit_light(0);
     }
 
@@ -109,17 +108,16 @@ class Emitter {
         return SphereNode::kLeaf | static_cast<std::uint32_t>(tree_.records.size() - 1);
     }
 
-    std::uint32_t emit(std::uint32_t binary_node, std::uint32_t parent, std::uint32_t depth) {
+    std::uint32_t emit(std::uint32_t binary_node, std::uint32_t depth) {
         assert(depth <= SphereTree::kMaxDepth);
         const auto index = static_cast<std::uint32_t>(tree_.nodes.size());
         tree_.nodes.push_back(empty_node());
-        tree_.parents.push_back(parent);
         std::array<std::uint32_t, kWidth> slots{};
         const std::uint32_t count = collapse_.slots_of(binary_node, slots);
         for (std::uint32_t slot = 0; slot < count; ++slot) {
             const bool leaf = binary_.nodes[slots[slot]].right == 0;
-            const std::uint32_t link = leaf ? emit_light(slots[slot])
-                                            : emit(slots[slot], index * kWidth + slot, depth + 1);
+            const std::uint32_t link =
+                leaf ? emit_light(slots[slot]) : emit(slots[slot], depth + 1);
             tree_.nodes[index].link[slot] = link;
         }
         return index;
@@ -131,42 +129,43 @@ class Emitter {
     SphereTree& tree_;
 };
 
+/// Of all that lies below a slot.
+struct Sphere {
+    float3 center{0, 0, 0};
+    float radius = kNoRadius;
+};
+
 /// Centres of slots bottom up. That of an inner slot is the middle of the box around the spheres
 /// below it at a typical range.
 void place_centers(SphereTree& tree, float reach) {
-    std::vector<float> radii(tree.slot_count(), kNoRadius);
+    std::vector<Sphere> around(tree.nodes.size());
     for (std::size_t n = tree.nodes.size(); n-- > 0;) {
         SphereNode& node = tree.nodes[n];
+        std::array<Sphere, kWidth> below;
         float3 low{1e30f, 1e30f, 1e30f}, high{-1e30f, -1e30f, -1e30f};
         for (std::uint32_t slot = 0; slot < kWidth; ++slot) {
-            if (node.link[slot] == SphereNode::kEmpty) continue;
-            float& radius = radii[n * kWidth + slot];
-            if ((node.link[slot] & SphereNode::kLeaf) != 0) {
-                const LightRecord& light = tree.records[node.link[slot] & ~SphereNode::kLeaf];
-                node.x[slot] = light.center.x;
-                node.y[slot] = light.center.y;
-                node.z[slot] = light.center.z;
-                radius = light.radius + std::sqrt(reach * light.intensity);
+            const std::uint32_t link = node.link[slot];
+            if (link == SphereNode::kEmpty) continue;
+            if ((link & SphereNode::kLeaf) != 0) {
+                const LightRecord& light = tree.records[link & ~SphereNode::kLeaf];
+                below[slot] = {light.center, light.radius + std::sqrt(reach * light.intensity)};
+            } else {
+                below[slot] = around[link];
             }
-            const float3 r{radius, radius, radius};
-            low = min(low, node.center(slot) - r);
-            high = max(high, node.center(slot) + r);
+            node.x[slot] = below[slot].center.x;
+            node.y[slot] = below[slot].center.y;
+            node.z[slot] = below[slot].center.z;
+            const float3 r{below[slot].radius, below[slot].radius, below[slot].radius};
+            low = min(low, below[slot].center - r);
+            high = max(high, below[slot].center + r);
         }
-        const float3 middle = low * 0.5f + high * 0.5f;
-        float around = 0.0f;
+        around[n].center = low * 0.5f + high * 0.5f;
         for (std::uint32_t slot = 0; slot < kWidth; ++slot) {
             if (node.link[slot] == SphereNode::kEmpty) continue;
             float& distance = tree.parent_distances[n * kWidth + slot];
-            distance = length(node.center(slot) - middle);
-            around = std::max(around, radii[n * kWidth + slot] + distance);
+            distance = length(below[slot].center - around[n].center);
+            around[n].radius = std::max(around[n].radius, below[slot].radius + distance);
         }
-        if (n == 0) break;
-        const std::uint32_t above = tree.parents[n];
-        SphereNode& parent = tree.nodes[above / kWidth];
-        parent.x[above % kWidth] = middle.x;
-        parent.y[above % kWidth] = middle.y;
-        parent.z[above % kWidth] = middle.z;
-        radii[above] = around;
     }
 }
 

@@ -8,10 +8,11 @@ namespace lightcull {
 ///
 /// The directions follow Conty Estevez & Kulla 2018: every normal of the light lies within
 /// theta_o of `axis`, and it emits up to theta_e from its normal, with the cosine of that angle.
+/// A cos_theta_o of exactly 1 says that all of the light lies in one plane through `center`.
 ///
 /// | light                | axis      | cos_theta_o | cos_theta_e |
 /// |----------------------|-----------|-------------|-------------|
-/// | one-sided flat light | normal    | 1           | 0           |
+/// | flat, one-sided      | normal    | 1           | 0           |
 /// | point, sphere        | any       | -1          | 0           |
 /// | spot                 | direction | cos(inner)  | cos(outer - inner) |
 struct Light {

@@ -53,7 +53,8 @@ class LightSampler {
     virtual Selection select(const ShadingPoint& point, float u) const noexcept = 0;
 
     /// The same for many points: selections[i] = select(points[i], u[i]), to the bit. The spans
-    /// are of equal length.
+    /// are of equal length, at most 2^32 - 1. Faster the more points there are, up to a whole
+    /// image; runs in the caller's TBB arena and needs some 20 bytes of memory a point.
     virtual void select(Span<const ShadingPoint> points, Span<const float> u,
                         Span<Selection> selections) const noexcept;
 

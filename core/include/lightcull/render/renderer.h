@@ -15,9 +15,9 @@ namespace lightcull {
 
 /// Which technique finds the light that falls on a surface.
 enum class DirectLight {
-    kMis,    ///< light and BSDF sampling, combined by the balance heuristic
-    kLights, ///< light sampling alone
-    kBsdf,   ///< BSDF sampling alone (points and spots are never found)
+    kMis,     ///< light and BSDF sampling, combined by the balance heuristic
+    kLights,  ///< light sampling alone
+    kBsdf,    ///< BSDF sampling alone (points and spots are never found)
 };
 
 struct RenderSettings {
@@ -25,7 +25,7 @@ struct RenderSettings {
     std::uint32_t max_depth = 2;  ///< longest path, in edges: 1 sees emitters only, 2 direct light
     std::uint32_t rr_depth = 5;   ///< Russian roulette from this depth on
     std::uint64_t seed = 0;
-    std::uint32_t threads = 0;    ///< 0: as many as the machine has
+    std::uint32_t threads = 0;  ///< at most; 0: as many as the machine has
     DirectLight direct_light = DirectLight::kMis;
 };
 
@@ -34,7 +34,7 @@ struct RenderStats {
     double seconds = 0.0;            ///< wall time of render_pass(), the sampler's refits included
     double selection_seconds = 0.0;  ///< time in LightSampler::select(), summed over threads
     std::uint64_t selections = 0;
-    std::uint64_t rays = 0;          ///< camera, shadow and scattered rays
+    std::uint64_t rays = 0;  ///< camera, shadow and scattered rays
 };
 
 /// A progressive path tracer: each pass adds one sample to every pixel. The result depends on the
@@ -46,8 +46,8 @@ class Renderer {
              std::unique_ptr<LightSampler> sampler);
     ~Renderer();
 
-    /// Renders one pass. If `cancel` becomes true meanwhile, the pass is dropped, the image stays
-    /// what it was, and the answer is false.
+    /// Renders one pass. If `cancel` becomes true meanwhile, the pass is dropped, the image and the
+    /// statistics stay what they were, and the answer is false.
     bool render_pass(const std::atomic<bool>* cancel = nullptr);
 
     /// The mean of all passes, linear RGB, row 0 at the top: height * width. Black before the

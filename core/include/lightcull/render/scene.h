@@ -25,12 +25,12 @@ struct Texture {
 enum class MaterialKind { kDiffuse, kMetallicRoughness };
 
 /// A surface that reflects on both sides. Metallic-roughness is glTF 2.0's model (appendix B):
-/// GGX with Smith masking, F0 0.04 for dielectrics. Texels multiply the factors.
+/// GGX with Smith masking, F0 0.04 for dielectrics. Texels multiply the factors and are at most 1.
 struct Material {
     MaterialKind kind = MaterialKind::kDiffuse;
     float3 base_color{0.5f, 0.5f, 0.5f};  ///< [0, 1]
     float metallic = 0.0f;                ///< [0, 1]
-    float roughness = 1.0f;               ///< perceptual, [0, 1]: alpha is its square
+    float roughness = 1.0f;               ///< perceptual, [0, 1]: alpha is its square, >= 1e-3
     TextureId base_color_texture = kNoTexture;
     TextureId metallic_roughness_texture = kNoTexture;  ///< green: roughness, blue: metallic
 };
@@ -46,11 +46,12 @@ struct Emission {
 
 /// A triangle mesh to be added to a scene, which copies it.
 struct Mesh {
-    std::string name;                 ///< for messages
-    Span<const float3> positions;     ///< metres
+    std::string name;                   ///< for messages
+    Span<const float3> positions;       ///< metres
     Span<const std::uint32_t> indices;  ///< three per triangle
-    Span<const float3> normals;       ///< shading normals, none or one per position
-    Span<const float2> uvs;           ///< none or one per position
+    Span<const float3> normals;         ///< shading normals, none or one per position; any
+                                        ///< length, 0: the triangle's own
+    Span<const float2> uvs;             ///< none or one per position
     MaterialId material = 0;
     Emission emission;
 };
@@ -58,9 +59,9 @@ struct Mesh {
 /// Thin lens looking from origin to target; a pinhole where aperture_radius is 0.
 struct Camera {
     float3 origin{0.0f, 0.0f, 1.0f}, target{0.0f, 0.0f, 0.0f}, up{0.0f, 1.0f, 0.0f};
-    float vertical_fov = 0.8f;       ///< radians, (0, pi)
-    float aperture_radius = 0.0f;    ///< metres
-    float focus_distance = 1.0f;     ///< metres
+    float vertical_fov = 0.8f;     ///< radians, (0, pi)
+    float aperture_radius = 0.0f;  ///< metres
+    float focus_distance = 1.0f;   ///< metres
 };
 
 /// Radiance from infinity: scale * a latitude-longitude map, +Y up, the middle column towards -Z
@@ -85,7 +86,8 @@ class Scene {
     MeshId add_mesh(const Mesh& mesh);
     /// intensity: W/sr, RGB.
     void add_point_light(float3 position, float3 intensity);
-    /// Full intensity up to `inner` from direction, smoothly to nothing at `outer` (radians).
+    /// Full intensity up to `inner` from direction, then down to nothing at `outer` (radians) as
+    /// the square of a ramp in the cosine, which is glTF's KHR_lights_punctual.
     void add_spot_light(float3 position, float3 direction, float3 intensity, float inner,
                         float outer);
     void set_environment(Environment environment);
@@ -94,8 +96,9 @@ class Scene {
     /// Builds what rendering needs (Embree's tree, the lights). Nothing can be added after it.
     void commit();
 
-    /// The lights that samplers choose from, in the order in which they were added: every emissive
-    /// triangle, point and spot; the environment is not among them. After commit().
+    /// The lights that samplers choose from, in the order in which they were added: every triangle
+    /// whose radiance * face_radiance is not black, point and spot; the environment is not among
+    /// them.
     Span<const Light> lights() const noexcept;
     std::size_t triangle_count() const noexcept;
     bool has_environment() const noexcept;

@@ -1,0 +1,75 @@
+#include <OpenImageIO/color.h>
+#include <OpenImageIO/imageio.h>
+#include <lightcull/error.h>
+#include <lightcull/image/image.h>
+
+#include <cstddef>
+#include <exception>
+#include <memory>
+
+namespace lightcull {
+namespace {
+
+[[noreturn]] void fail(const std::string& path, const std::string& reason) {
+    // OpenImageIO's messages can have several lines and end in one; ours have one.
+    const std::string line = reason.substr(0, reason.find('\n'));
+    throw Error(path + ": cannot read: " + (line.empty() ? "not an image" : line));
+}
+
+std::unique_ptr<OIIO::ImageInput> open_image(const std::string& path) {
+    OIIO::ImageSpec config;
+    // Colours as they are stored, not multiplied by alpha, which is ignored.
+    config.attribute("oiio:UnassociatedAlpha", 1);
+    auto input = OIIO::ImageInput::open(path, &config);
+    if (!input) fail(path, OIIO::geterror());
+    const OIIO::ImageSpec& spec = input->spec();
+    if (spec.deep) fail(path, "deep images are not supported");
+    if (spec.width < 1 || spec.height < 1 || spec.depth > 1) fail(path, "not a flat image");
+    return input;
+}
+
+/// Grey of one or two channels (the second is alpha), or the first three of more.
+Image to_rgb(const OIIO::ImageSpec& spec, const std::vector<float>& samples) {
+    Image image{
+        static_cast<std::uint32_t>(spec.width), static_cast<std::uint32_t>(spec.height), {}};
+    const auto stride = static_cast<std::size_t>(spec.nchannels);
+    image.pixels.resize(samples.size() / stride);
+    for (std::size_t i = 0; i < image.pixels.size(); ++i) {
+        const float* const sample = samples.data() + i * stride;
+        image.pixels[i] = stride < 3 ? float3{sample[0], sample[0], sample[0]}
+                                     : float3{sample[0], sample[1], sample[2]};
+    }
+    return image;
+}
+
+Image read_opened(const std::string& path, OIIO::ImageInput& input, bool linear_data) {
+    const OIIO::ImageSpec spec = input.spec();
+    std::vector<float> samples(spec.image_pixels() * static_cast<std::size_t>(spec.nchannels));
+    const bool read =
+        input.read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, samples.data());
+    // Truncated JPEG and TIFF files are "read", with a message and pixels made up.
+    if (!read || input.has_error()) fail(path, input.geterror());
+    Image image = to_rgb(spec, samples);
+    if (!linear_data && !spec.format.is_floating_point()) {
+        for (float3& pixel : image.pixels) {
+            pixel = {OIIO::sRGB_to_linear(pixel.x), OIIO::sRGB_to_linear(pixel.y),
+                     OIIO::sRGB_to_linear(pixel.z)};
+        }
+    }
+    return image;
+}
+
+}  // namespace
+
+Image read_image(const std::string& path, bool linear_data) {
+    try {
+        const auto input = open_image(path);
+        return read_opened(path, *input, linear_data);
+    } catch (const Error&) {
+        throw;
+    } catch (const std::exception& error) {  // a header that promises more than memory holds
+        fail(path, error.what());
+    }
+}
+
+}  // namespace lightcull

@@ -1,0 +1,81 @@
+#include "image/whole_file.h"
+
+#include <fcntl.h>
+#include <lightcull/error.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <filesystem>
+#include <system_error>
+
+namespace lightcull {
+namespace {
+
+[[noreturn]] void fail(const std::string& path, int error) {
+    throw Error(path + ": cannot write: " + std::generic_category().message(error));
+}
+
+/// Closes a file descriptor, and removes the file unless it has been kept.
+class PartialFile {
+  public:
+    PartialFile(std::string name, const std::string& path)
+        : name_(std::move(name)),
+          path_(path),
+          descriptor_(::open(name_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666)) {
+        if (descriptor_ < 0) fail(path_, errno);
+    }
+    ~PartialFile() {
+        if (descriptor_ >= 0) ::close(descriptor_);
+        if (!kept_) ::unlink(name_.c_str());
+    }
+    PartialFile(const PartialFile&) = delete;
+    PartialFile& operator=(const PartialFile&) = delete;
+
+    void write(Span<const unsigned char> bytes) const {
+        std::size_t done = 0;
+        while (done < bytes.size()) {
+            const ::ssize_t count = ::write(descriptor_, bytes.data() + done, bytes.size() - done);
+            if (count < 0 && errno != EINTR) fail(path_, errno);
+            if (count > 0) done += static_cast<std::size_t>(count);
+        }
+    }
+
+    /// Gives the file its final name, once its bytes are on the disk.
+    void keep() {
+        if (::fsync(descriptor_) != 0) fail(path_, errno);
+        const int closed = ::close(descriptor_);
+        descriptor_ = -1;
+        if (closed != 0) fail(path_, errno);
+        if (::rename(name_.c_str(), path_.c_str()) != 0) fail(path_, errno);
+        kept_ = true;
+    }
+
+  private:
+    const std::string name_;
+    const std::string& path_;
+    int descriptor_;
+    bool kept_ = false;
+};
+
+/// Unique among the threads and processes of this machine.
+std::string partial_name(const std::string& path) {
+    static std::atomic<unsigned> counter{0};
+    return path + ".part-" + std::to_string(::getpid()) + "-" + std::to_string(counter++);
+}
+
+}  // namespace
+
+void write_whole_file(const std::string& path, Span<const unsigned char> bytes) {
+    std::error_code ignored;
+    const auto status = std::filesystem::status(path, ignored);
+    // rename() would put a file in the place of /dev/null.
+    if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
+        throw Error(path + ": cannot write: it is there and is not a file");
+    }
+    PartialFile file(partial_name(path), path);
+    file.write(bytes);
+    file.keep();
+}
+
+}  // namespace lightcull

@@ -1,0 +1,98 @@
+#include <lightcull/samplers.h>
+
+#include <algorithm>
+#include <array>
+
+#include "lights/light_bvh.h"
+#include "lights/light_bvh_traverse.h"
+#include "lights/refine.h"
+
+namespace lightcull {
+namespace {
+
+class LightBvhSampler final : public LightSampler {
+  public:
+    explicit LightBvhSampler(const LightTable& table)
+        : frame_(table.frame), bvh_(build_light_bvh(table)) {}
+
+    void begin_pass(std::uint64_t) override {}
+
+    Selection select(const ShadingPoint& point, float u) const noexcept override {
+        if (bvh_.nodes.empty()) return {};
+        LightBvhDescent descent{to_local(point), refine(u, point)};
+        descend(bvh_, {&descent, 1});
+        return result(descent);
+    }
+
+    void select(Span<const ShadingPoint> points, Span<const float> u,
+                Span<Selection> selections) const noexcept override {
+        if (bvh_.nodes.empty()) {
+            std::fill(selections.begin(), selections.end(), Selection{});
+            return;
+        }
+        std::array<LightBvhDescent, kMaxDescents> descents;
+        for (std::size_t begin = 0; begin < points.size(); begin += descents.size()) {
+            const std::size_t count = std::min(points.size() - begin, descents.size());
+            for (std::size_t i = 0; i < count; ++i) {
+                const ShadingPoint& point = points[begin + i];
+                descents[i] = {to_local(point), refine(u[begin + i], point)};
+            }
+            descend(bvh_, {descents.data(), count});
+            for (std::size_t i = 0; i < count; ++i) selections[begin + i] = result(descents[i]);
+        }
+    }
+
+    float prob(const ShadingPoint& point, const Receipt&,
+               std::uint32_t light) const noexcept override {
+        return static_cast<float>(prob_of_light(bvh_, to_local(point), light));
+    }
+
+    /// Of the selection with u = 0.5. All children of the nodes on its way are tested; those that
+    /// are lights and have an importance above 0 are accepted.
+    SelectionCounts count(const ShadingPoint& point) const noexcept override {
+        SelectionCounts counts;
+        if (bvh_.nodes.empty()) return counts;
+        LightBvhDescent descent{to_local(point), refine(0.5f, point)};
+        descend(bvh_, {&descent, 1});
+        const std::uint32_t last = descent.prob > 0.0
+                                       ? bvh_.slots[result(descent).light] / LightBvhNode::kWidth
+                                       : descent.child;
+        for (std::uint32_t node = last;; node = bvh_.parents[node] / LightBvhNode::kWidth) {
+            add(bvh_.nodes[node], descent.point, counts);
+            if (node == 0) return counts;
+        }
+    }
+
+  private:
+    LightBvhPoint to_local(const ShadingPoint& point) const noexcept {
+        return {frame_.position(point.position), point.normal};
+    }
+
+    static void add(const LightBvhNode& node, const LightBvhPoint& point,
+                    SelectionCounts& counts) noexcept {
+        ++counts.nodes_visited;
+        const LightBvhImportances all = importances(node, point);
+        for (std::size_t i = 0; i < LightBvhNode::kWidth; ++i) {
+            if (node.child[i] == LightBvhNode::kEmpty) continue;
+            ++counts.lights_tested;
+            const bool is_light = (node.child[i] & LightBvhNode::kLight) != 0;
+            if (is_light && all.of[i] > 0.0f) ++counts.accepted;
+        }
+    }
+
+    static Selection result(const LightBvhDescent& descent) noexcept {
+        if (!(descent.prob > 0.0)) return {};
+        return {descent.child & ~LightBvhNode::kLight, static_cast<float>(descent.prob), {}};
+    }
+
+    Frame frame_;
+    LightBvh bvh_;
+};
+
+}  // namespace
+
+std::unique_ptr<LightSampler> make_light_bvh_sampler(Span<const Light> lights) {
+    return std::make_unique<LightBvhSampler>(make_light_table(lights));
+}
+
+}  // namespace lightcull

@@ -1,0 +1,60 @@
+#pragma once
+
+#include "render/vec.h"
+
+namespace lightcull {
+
+/// GGX's alpha is not let below this (a perceptual roughness of 0.032), so that a mirror is a
+/// narrow lobe like any other and needs no case of its own.
+inline constexpr float kMinAlpha = 1e-3f;
+
+/// A BSDF in one direction.
+struct BsdfValue {
+    V3f value{0.0f};   ///< BSDF times the cosine to the shading normal
+    float pdf = 0.0f;  ///< density of sample() for that direction, per solid angle
+};
+
+struct BsdfSample {
+    V3f direction{0.0f};  ///< unit length
+    V3f weight{0.0f};     ///< value / pdf
+    float pdf = 0.0f;     ///< 0: absorbed
+};
+
+/// How a surface point scatters light that leaves it towards `outgoing`.
+///
+/// Diffuse: base_color / pi. Metallic-roughness: glTF 2.0, appendix B: with F Schlick's Fresnel
+/// term at the half vector, (1 - F) (1 - metallic) base_color / pi + F D V, where D is GGX and V
+/// Smith's masking-shadowing in its separable form, the one that the appendix prints. Both are
+/// sampled by one mixture: cosine-weighted, and visible normals (Heitz 2018, "Sampling the GGX
+/// Distribution of Visible Normals").
+class Bsdf {
+  public:
+    Bsdf() = default;
+
+    /// normal and outgoing: unit length, on the same side.
+    static Bsdf diffuse(const V3f& normal, const V3f& outgoing, const V3f& base_color) noexcept;
+    static Bsdf metallic_roughness(const V3f& normal, const V3f& outgoing, const V3f& base_color,
+                                   float metallic, float roughness) noexcept;
+
+    /// incoming: unit length, towards where light comes from. 0 below the shading normal.
+    BsdfValue evaluate(const V3f& incoming) const noexcept;
+
+    /// lobe in [0, 1), u in [0, 1)^2.
+    BsdfSample sample(float lobe, const V2f& u) const noexcept;
+
+    const V3f& normal() const noexcept { return frame_.normal; }
+
+  private:
+    BsdfValue evaluate_local(const V3f& incoming) const noexcept;
+    V3f sample_specular(const V2f& u) const noexcept;
+    V3f fresnel(float cosine) const noexcept;
+
+    Frame frame_;
+    V3f outgoing_{0.0f};  // in the frame
+    V3f diffuse_{0.0f};   // albedo
+    V3f f0_{0.0f};        // reflectance at normal incidence
+    float alpha_ = 1.0f;
+    float specular_prob_ = 0.0f;  // 0: no specular lobe
+};
+
+}  // namespace lightcull

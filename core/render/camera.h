@@ -1,0 +1,28 @@
+#pragma once
+
+#include "render/ray.h"
+#include "render/vec.h"
+
+#include <lightcull/render/scene.h>
+
+#include <cstdint>
+
+namespace lightcull {
+
+/// Rays of a thin-lens camera, or of a pinhole where the aperture is 0. What lies in the plane
+/// `focus_distance` in front of the lens is sharp.
+class CameraRays {
+  public:
+    /// width, height: pixels of the image.
+    CameraRays(const Camera& camera, std::uint32_t width, std::uint32_t height) noexcept;
+
+    /// The ray for a place on the image in pixels, (0, 0) being its upper left corner, and two
+    /// uniform numbers that choose a place on the lens.
+    Ray ray(const V2f& place, const V2f& lens) const noexcept;
+
+  private:
+    V3f origin_, right_, up_, corner_, across_, down_;
+    float aperture_radius_, focus_distance_;
+};
+
+}  // namespace lightcull

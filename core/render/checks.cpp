@@ -1,0 +1,84 @@
+#include "render/checks.h"
+
+#include "render/vec.h"
+
+#include <lightcull/error.h>
+
+#include <cmath>
+
+namespace lightcull::check {
+
+void fail(std::string_view what, const std::string& why) {
+    throw Error(std::string(what) + " " + why);
+}
+
+void finite(std::string_view what, float value) {
+    if (!std::isfinite(value)) fail(what, "is not finite");
+}
+
+void finite(std::string_view what, float2 value) {
+    if (!std::isfinite(value.x) || !std::isfinite(value.y)) fail(what, "is not finite");
+}
+
+void finite(std::string_view what, float3 value) {
+    if (!is_finite(to_v3f(value))) fail(what, "is not finite");
+}
+
+void radiometric(std::string_view what, float3 value) {
+    finite(what, value);
+    if (value.x < 0.0f || value.y < 0.0f || value.z < 0.0f) fail(what, "is negative");
+}
+
+void in_unit_range(std::string_view what, float value) {
+    if (!(value >= 0.0f && value <= 1.0f)) {
+        fail(what, "is " + std::to_string(value) + ", not in [0, 1]");
+    }
+}
+
+void index(std::string_view what, std::size_t i, std::size_t count, std::string_view kind) {
+    if (i >= count) {
+        fail(what, "is " + std::to_string(i) + ", but there are " + std::to_string(count) + " " +
+                       std::string(kind));
+    }
+}
+
+void texture(std::string_view what, const Texture& texture) {
+    const std::size_t count = std::size_t{texture.width} * texture.height;
+    if (count == 0) fail(what, "has no texels");
+    if (texture.texels.size() != count) {
+        fail(what, "has " + std::to_string(texture.texels.size()) + " texels, not " +
+                       std::to_string(texture.width) + " x " + std::to_string(texture.height));
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+        const float3 texel = texture.texels[i];
+        if (!is_finite(to_v3f(texel)) || texel.x < 0.0f || texel.y < 0.0f || texel.z < 0.0f) {
+            radiometric(std::string(what) + ": " + element("texels", i), texel);
+        }
+    }
+}
+
+void camera(const Camera& camera) {
+    finite("camera: origin", camera.origin);
+    finite("camera: target", camera.target);
+    finite("camera: up", camera.up);
+    const V3f forward = to_v3f(camera.target) - to_v3f(camera.origin);
+    if (!(forward.length() > 0.0f)) fail("camera: target", "is the origin");
+    const V3f up = to_v3f(camera.up);
+    if (!(up.length() > 0.0f)) fail("camera: up", "is 0");
+    if (forward.normalized().cross(up.normalized()).length() < 1e-4f) {
+        fail("camera: up", "is parallel to the direction of view");
+    }
+    if (!(camera.vertical_fov > 0.0f && camera.vertical_fov < kPi)) {
+        fail("camera: vertical_fov", "is not in (0, pi)");
+    }
+    finite("camera: aperture_radius", camera.aperture_radius);
+    if (camera.aperture_radius < 0.0f) fail("camera: aperture_radius", "is negative");
+    finite("camera: focus_distance", camera.focus_distance);
+    if (camera.focus_distance <= 0.0f) fail("camera: focus_distance", "is not above 0");
+}
+
+std::string element(std::string_view field, std::size_t i) {
+    return std::string(field) + "[" + std::to_string(i) + "]";
+}
+
+}  // namespace lightcull::check

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <lightcull/float3.h>
+#include <lightcull/render/scene.h>
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+/// Checks of what is added to a scene. Each throws Error with one line that begins with `what`.
+
+namespace lightcull::check {
+
+[[noreturn]] void fail(std::string_view what, const std::string& why);
+
+void finite(std::string_view what, float value);
+void finite(std::string_view what, float2 value);
+void finite(std::string_view what, float3 value);
+/// A colour or an intensity: finite and >= 0.
+void radiometric(std::string_view what, float3 value);
+void in_unit_range(std::string_view what, float value);
+/// Index `i` into `count` things called `kind`.
+void index(std::string_view what, std::size_t i, std::size_t count, std::string_view kind);
+
+void texture(std::string_view what, const Texture& texture);
+void camera(const Camera& camera);
+
+/// "field[i]"
+std::string element(std::string_view field, std::size_t i);
+
+}  // namespace lightcull::check

@@ -1,0 +1,95 @@
+#include "render/emitter.h"
+
+#include "render/ray.h"
+#include "render/scene_impl.h"
+#include "render/texture.h"
+#include "render/warp.h"
+
+#include <cmath>
+#include <variant>
+
+namespace lightcull {
+namespace {
+
+struct Sampler {
+    const Scene::Impl& scene;
+    const V3f& from;
+    V2f u;
+
+    EmitterSample operator()(const TriangleEmitter& emitter) const noexcept {
+        const V2f b = uniform_triangle(u);
+        const V3f place = emitter.corner + emitter.edge1 * b.x + emitter.edge2 * b.y;
+        const V3f to_place = place - from;
+        const float distance2 = to_place.dot(to_place);
+        if (!(distance2 > 0.0f)) return {};
+        const float pdf = triangle_pdf(emitter, to_place);
+        if (!(pdf > 0.0f)) return {};
+        const V3f direction = to_place / std::sqrt(distance2);
+        const V3f radiance = emitted(scene, emitter, b.x, b.y, -direction);
+        return {in_front(emitter, place, from), direction, radiance, pdf, false};
+    }
+
+    EmitterSample operator()(const PointEmitter& emitter) const noexcept {
+        return from_point(emitter.position, emitter.intensity);
+    }
+
+    EmitterSample operator()(const SpotEmitter& emitter) const noexcept {
+        EmitterSample s = from_point(emitter.position, emitter.intensity);
+        s.radiance *= falloff(emitter, -s.direction.dot(emitter.direction));
+        return s;
+    }
+
+    EmitterSample from_point(const V3f& position, const V3f& intensity) const noexcept {
+        const V3f to_place = position - from;
+        const float distance2 = to_place.dot(to_place);
+        if (!(distance2 > 0.0f)) return {};
+        return {position, to_place / std::sqrt(distance2), intensity / distance2, 1.0f, true};
+    }
+
+    static V3f in_front(const TriangleEmitter& emitter, const V3f& place,
+                        const V3f& from) noexcept {
+        V3f normal = emitter.edge1.cross(emitter.edge2).normalized();
+        if (normal.dot(from - place) < 0.0f) normal = -normal;
+        return place +
+               normal * clearance(normal, abs(emitter.corner), emitter.edge1, emitter.edge2);
+    }
+
+    static float falloff(const SpotEmitter& emitter, float cosine) noexcept {
+        if (cosine >= emitter.cos_inner) return 1.0f;
+        if (cosine <= emitter.cos_outer) return 0.0f;
+        const float ramp = (cosine - emitter.cos_outer) / (emitter.cos_inner - emitter.cos_outer);
+        return ramp * ramp;
+    }
+};
+
+}  // namespace
+
+EmitterSample sample_emitter(const Scene::Impl& scene, const Emitter& emitter, const V3f& from,
+                             const V2f& u) noexcept {
+    // Not std::visit, which may throw.
+    const Sampler sample{scene, from, u};
+    if (const auto* triangle = std::get_if<TriangleEmitter>(&emitter)) return sample(*triangle);
+    if (const auto* point = std::get_if<PointEmitter>(&emitter)) return sample(*point);
+    return sample(*std::get_if<SpotEmitter>(&emitter));
+}
+
+float triangle_pdf(const TriangleEmitter& emitter, const V3f& to_place) noexcept {
+    // |normal| is twice the area, so that distance^2 / (cosine * area) becomes:
+    const V3f normal = emitter.edge1.cross(emitter.edge2);
+    const float projected = 0.5f * std::fabs(normal.dot(to_place));
+    const float distance2 = to_place.dot(to_place);
+    const float pdf = distance2 * std::sqrt(distance2) / projected;
+    return std::isfinite(pdf) ? pdf : 0.0f;
+}
+
+V3f emitted(const Scene::Impl& scene, const TriangleEmitter& emitter, float u, float v,
+            const V3f& direction) noexcept {
+    if (!emitter.two_sided && emitter.edge1.cross(emitter.edge2).dot(direction) <= 0.0f) {
+        return V3f(0.0f);
+    }
+    if (emitter.texture == kNoTexture) return emitter.radiance;
+    return emitter.radiance *
+           lookup(scene.textures[emitter.texture], scene.uv_at(emitter.triangle, u, v));
+}
+
+}  // namespace lightcull

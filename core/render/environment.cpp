@@ -1,0 +1,146 @@
+#include "render/environment.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace lightcull {
+namespace {
+
+/// Mean of a bilinear lookup over a texel's cell: 1/8, 6/8, 1/8 in each direction; around the
+/// sphere it wraps, at the poles it stops.
+float mean_over_cell(const Texture& t, std::uint32_t x, std::uint32_t y) noexcept {
+    const std::uint32_t columns[] = {(x + t.width - 1) % t.width, x, (x + 1) % t.width};
+    const std::uint32_t rows[] = {y == 0 ? 0 : y - 1, y, std::min(y + 1, t.height - 1)};
+    constexpr float kWeights[] = {0.125f, 0.75f, 0.125f};
+    float sum = 0.0f;
+    for (int j = 0; j < 3; ++j) {
+        for (int i = 0; i < 3; ++i) {
+            const float3 texel = t.texels[std::size_t{rows[j]} * t.width + columns[i]];
+            sum += kWeights[i] * kWeights[j] * luminance(to_v3f(texel));
+        }
+    }
+    return sum;
+}
+
+/// Cosine of the angle to +Y at the upper edge of a row of cells.
+double edge_cosine(std::uint32_t row, std::uint32_t height) noexcept {
+    constexpr double kPiDouble = 3.14159265358979323846;
+    return std::cos(kPiDouble * row / height);
+}
+
+}  // namespace
+
+EnvironmentMap::EnvironmentMap(Environment environment)
+    : map_(std::move(environment.map)),
+      scale_(to_v3f(environment.scale)),
+      cos_rotation_(std::cos(environment.rotation)),
+      sin_rotation_(std::sin(environment.rotation)),
+      cells_(map_.texels.size()) {
+    constexpr double kTwoPi = 6.28318530717958647692;
+    const std::size_t count = cells_.size();
+    std::vector<double> share(count);
+    double total = 0.0;
+    for (std::uint32_t y = 0; y < map_.height; ++y) {
+        const double solid_angle =
+            kTwoPi / map_.width * (edge_cosine(y, map_.height) - edge_cosine(y + 1, map_.height));
+        for (std::uint32_t x = 0; x < map_.width; ++x) {
+            const std::size_t i = std::size_t{y} * map_.width + x;
+            cells_[i].pdf = mean_over_cell(map_, x, y);
+            share[i] = static_cast<double>(cells_[i].pdf) * solid_angle;
+            total += share[i];
+        }
+    }
+    if (!(total > 0.0)) {
+        cells_.clear();
+        return;
+    }
+
+    std::vector<std::uint32_t> small, large;
+    for (std::size_t i = 0; i < count; ++i) {
+        cells_[i].pdf = static_cast<float>(static_cast<double>(cells_[i].pdf) / total);
+        share[i] *= static_cast<double>(count) / total;
+        (share[i] < 1.0 ? small : large).push_back(static_cast<std::uint32_t>(i));
+    }
+    while (!small.empty() && !large.empty()) {
+        const std::uint32_t low = small.back(), high = large.back();
+        small.pop_back();
+        cells_[low].keep = static_cast<float>(share[low]);
+        cells_[low].alias = high;
+        share[high] -= 1.0 - share[low];
+        if (share[high] < 1.0) {
+            large.pop_back();
+            small.push_back(high);
+        }
+    }
+    // What is left is 1 but for rounding.
+    for (const auto& rest : {small, large}) {
+        for (const std::uint32_t i : rest) {
+            cells_[i].keep = 1.0f;
+            cells_[i].alias = i;
+        }
+    }
+}
+
+V2f EnvironmentMap::to_map(const V3f& d) const noexcept {
+    const float x = cos_rotation_ * d.x - sin_rotation_ * d.z;
+    const float z = sin_rotation_ * d.x + cos_rotation_ * d.z;
+    const float across = 0.5f + std::atan2(x, -z) * (0.5f * kInvPi);
+    // acos loses half of its digits at the poles.
+    const float down = std::atan2(std::sqrt(x * x + z * z), d.y) * kInvPi;
+    return {across * static_cast<float>(map_.width), down * static_cast<float>(map_.height)};
+}
+
+V3f EnvironmentMap::lookup(const V2f& place) const noexcept {
+    const float x = place.x - 0.5f;
+    const float y = std::clamp(place.y - 0.5f, 0.0f, static_cast<float>(map_.height - 1));
+    const float left = std::floor(x);
+    const auto column = static_cast<std::uint32_t>(left + static_cast<float>(map_.width));
+    const std::uint32_t x0 = column % map_.width, x1 = (column + 1) % map_.width;
+    const auto y0 = static_cast<std::uint32_t>(y);
+    const std::uint32_t y1 = std::min(y0 + 1, map_.height - 1);
+    const float fx = x - left, fy = y - static_cast<float>(y0);
+    const auto texel = [&](std::uint32_t i, std::uint32_t j) {
+        return to_v3f(map_.texels[std::size_t{j} * map_.width + i]);
+    };
+    const V3f top = texel(x0, y0) * (1.0f - fx) + texel(x1, y0) * fx;
+    const V3f bottom = texel(x0, y1) * (1.0f - fx) + texel(x1, y1) * fx;
+    return scale_ * (top * (1.0f - fy) + bottom * fy);
+}
+
+V3f EnvironmentMap::radiance(const V3f& direction) const noexcept {
+    return lookup(to_map(direction));
+}
+
+float EnvironmentMap::pdf(const V3f& direction) const noexcept {
+    if (cells_.empty()) return 0.0f;
+    const V2f place = to_map(direction);
+    const auto x = std::min(static_cast<std::uint32_t>(place.x), map_.width - 1);
+    const auto y = std::min(static_cast<std::uint32_t>(place.y), map_.height - 1);
+    return cells_[std::size_t{y} * map_.width + x].pdf;
+}
+
+EnvironmentSample EnvironmentMap::sample(double cell, const V2f& u) const noexcept {
+    if (cells_.empty()) return {};
+    const double scaled = cell * static_cast<double>(cells_.size());
+    auto index = std::min(static_cast<std::size_t>(scaled), cells_.size() - 1);
+    if (scaled - static_cast<double>(index) >= static_cast<double>(cells_[index].keep)) {
+        index = cells_[index].alias;
+    }
+    const auto row = static_cast<std::uint32_t>(index / map_.width);
+    const auto column = static_cast<float>(index % map_.width);
+
+    // Uniform per solid angle: uniform in the angle around +Y and in the cosine to it.
+    const float angle = 2.0f * kPi * ((column + u.x) / static_cast<float>(map_.width) - 0.5f);
+    // In double: next to a pole the cosines of a row differ by little.
+    const double top = edge_cosine(row, map_.height);
+    const double y = top + (edge_cosine(row + 1, map_.height) - top) * static_cast<double>(u.y);
+    const auto sine = static_cast<float>(std::sqrt(std::max(0.0, (1.0 - y) * (1.0 + y))));
+    const float x = sine * std::sin(angle), z = -sine * std::cos(angle);
+    const V3f direction(cos_rotation_ * x + sin_rotation_ * z, static_cast<float>(y),
+                        -sin_rotation_ * x + cos_rotation_ * z);
+    // At a cell's edge rounding may put the direction into the next cell: take what is there.
+    return {direction, radiance(direction), pdf(direction)};
+}
+
+}  // namespace lightcull

@@ -1,0 +1,48 @@
+#pragma once
+
+#include "render/vec.h"
+
+#include <lightcull/render/scene.h>
+
+#include <cstdint>
+#include <vector>
+
+namespace lightcull {
+
+struct EnvironmentSample {
+    V3f direction{0.0f};  ///< unit length
+    V3f radiance{0.0f};
+    float pdf = 0.0f;  ///< per solid angle; 0: the environment is black
+};
+
+/// An environment map that can be looked up and sampled in proportion to what it gives.
+class EnvironmentMap {
+  public:
+    explicit EnvironmentMap(Environment environment);
+
+    /// direction: unit length.
+    V3f radiance(const V3f& direction) const noexcept;
+    /// Density of sample(), per solid angle.
+    float pdf(const V3f& direction) const noexcept;
+    /// cell and u in [0, 1).
+    EnvironmentSample sample(double cell, const V2f& u) const noexcept;
+
+  private:
+    V2f to_map(const V3f& direction) const noexcept;
+    V3f lookup(const V2f& place) const noexcept;
+
+    Texture map_;
+    V3f scale_;
+    float cos_rotation_, sin_rotation_;
+
+    // Inside a texel's cell the density is constant per solid angle: the mean luminance there,
+    // which is 0 only where every lookup is. Chosen by an alias table (Vose 1991).
+    struct Cell {
+        float pdf;
+        float keep;  // probability of staying with this cell
+        std::uint32_t alias;
+    };
+    std::vector<Cell> cells_;
+};
+
+}  // namespace lightcull

@@ -1,0 +1,40 @@
+#include "render/morton.h"
+
+#include <ImathBox.h>
+#include <algorithm>
+
+namespace lightcull {
+namespace {
+
+/// Moves the lower 10 bits of x two places apart.
+std::uint32_t spread(std::uint32_t x) noexcept {
+    x = (x | (x << 16)) & 0x030000ffu;
+    x = (x | (x << 8)) & 0x0300f00fu;
+    x = (x | (x << 4)) & 0x030c30c3u;
+    return (x | (x << 2)) & 0x09249249u;
+}
+
+}  // namespace
+
+void sort_by_morton_code(const std::vector<V3f>& positions, std::vector<std::uint32_t>& order,
+                         std::vector<std::uint64_t>& keys) {
+    Imath::Box3f bounds;
+    for (const V3f& p : positions) bounds.extendBy(p);
+    if (bounds.isEmpty()) return;
+    const V3f size = bounds.size();
+    const auto scale = [](float extent) { return extent > 0.0f ? 1023.0f / extent : 0.0f; };
+    const V3f cells(scale(size.x), scale(size.y), scale(size.z));
+
+    keys.resize(positions.size());
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+        const V3f p = (positions[i] - bounds.min) * cells;
+        const std::uint32_t code = spread(static_cast<std::uint32_t>(p.x)) |
+                                   spread(static_cast<std::uint32_t>(p.y)) << 1 |
+                                   spread(static_cast<std::uint32_t>(p.z)) << 2;
+        keys[i] = std::uint64_t{code} << 32 | order[i];
+    }
+    std::sort(keys.begin(), keys.end());
+    for (std::size_t i = 0; i < keys.size(); ++i) order[i] = static_cast<std::uint32_t>(keys[i]);
+}
+
+}  // namespace lightcull

@@ -1,0 +1,15 @@
+#pragma once
+
+#include "render/vec.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace lightcull {
+
+/// Sorts `order` along a Morton curve through `positions`, which belong to its elements one by one.
+/// `keys` is room to work in. Equal inputs give equal orders.
+void sort_by_morton_code(const std::vector<V3f>& positions, std::vector<std::uint32_t>& order,
+                         std::vector<std::uint64_t>& keys);
+
+}  // namespace lightcull

@@ -1,0 +1,47 @@
+#pragma once
+
+#include "base/random.h"
+#include "render/vec.h"
+
+#include <cstdint>
+
+namespace lightcull {
+
+/// What a random number of a path vertex is used for.
+enum class Dimension : std::uint64_t {
+    kPixel,        ///< place within the pixel
+    kLens,         ///< place on the lens
+    kSelectLight,  ///< u of LightSampler::select
+    kTechnique,    ///< environment or light
+    kLightVertex,  ///< place on the light
+    kEnvironment,  ///< cell of the environment
+    kLobe,         ///< diffuse or specular
+    kScatter,      ///< direction of the next ray
+    kRoulette,
+};
+
+/// The random numbers of one vertex of a path: a hash of (seed, pass, pixel, depth, dimension).
+class PathRandom {
+  public:
+    PathRandom(std::uint64_t pass_key, std::uint32_t pixel, std::uint32_t depth) noexcept
+        : key_(hash(pass_key, pixel, depth)) {}
+
+    /// In [0, 1).
+    float one(Dimension d) const noexcept { return uniform_float(bits(d)); }
+    /// Two independent numbers in [0, 1).
+    V2f two(Dimension d) const noexcept {
+        const std::uint64_t b = bits(d);
+        return {uniform_float(b), uniform_float(b << 24)};
+    }
+    /// In [0, 1), with 53 bits, for choices among millions.
+    double fine(Dimension d) const noexcept { return static_cast<double>(bits(d) >> 11) * 0x1p-53; }
+
+  private:
+    std::uint64_t bits(Dimension d) const noexcept {
+        return hash(key_, static_cast<std::uint64_t>(d));
+    }
+
+    std::uint64_t key_;
+};
+
+}  // namespace lightcull

@@ -1,0 +1,119 @@
+#include "render/ray_tracer.h"
+
+#include "render/embree.h"
+
+#include <lightcull/error.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstring>
+#include <string>
+
+namespace lightcull {
+namespace {
+
+constexpr std::size_t kPacket = 16;
+
+/// Fills a packet and returns how many of its lanes are in use.
+std::size_t fill(Span<const Ray> rays, std::size_t first, RTCRay16& packet, int* valid) noexcept {
+    const std::size_t count = std::min(kPacket, rays.size() - first);
+    for (std::size_t i = 0; i < kPacket; ++i) {
+        // Idle lanes repeat the last ray, so that they hold numbers.
+        const Ray& ray = rays[first + std::min(i, count - 1)];
+        valid[i] = i < count ? -1 : 0;
+        packet.org_x[i] = ray.origin.x;
+        packet.org_y[i] = ray.origin.y;
+        packet.org_z[i] = ray.origin.z;
+        packet.dir_x[i] = ray.direction.x;
+        packet.dir_y[i] = ray.direction.y;
+        packet.dir_z[i] = ray.direction.z;
+        packet.tfar[i] = ray.end;
+    }
+    return count;
+}
+
+/// The fields that are the same for every packet.
+void prepare(RTCRay16& packet) noexcept {
+    std::memset(&packet, 0, sizeof packet);
+    std::fill_n(packet.mask, kPacket, 0xffffffffu);
+}
+
+}  // namespace
+
+struct RayTracer::Handles {
+    RTCDevice device = nullptr;
+    RTCScene scene = nullptr;
+
+    Handles() = default;
+    Handles(const Handles&) = delete;
+    Handles& operator=(const Handles&) = delete;
+    ~Handles() {
+        if (scene != nullptr) rtcReleaseScene(scene);
+        if (device != nullptr) rtcReleaseDevice(device);
+    }
+
+    void check() const {
+        const RTCError error = rtcGetDeviceError(device);
+        if (error != RTC_ERROR_NONE) {
+            throw Error("Embree failed with error " + std::to_string(static_cast<int>(error)) +
+                        (error == RTC_ERROR_OUT_OF_MEMORY ? ", out of memory" : ""));
+        }
+    }
+};
+
+RayTracer::RayTracer(Span<const V3f> positions, Span<const std::uint32_t> indices)
+    : handles_(std::make_unique<Handles>()) {
+    handles_->device = rtcNewDevice(nullptr);
+    handles_->check();
+    handles_->scene = rtcNewScene(handles_->device);
+    // No light leaks along shared edges.
+    rtcSetSceneFlags(handles_->scene, RTC_SCENE_FLAG_ROBUST);
+    if (!indices.empty()) {
+        RTCGeometry geometry = rtcNewGeometry(handles_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                   positions.data(), 0, sizeof(V3f), positions.size());
+        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                   indices.data(), 0, 3 * sizeof(std::uint32_t),
+                                   indices.size() / 3);
+        rtcCommitGeometry(geometry);
+        rtcAttachGeometry(handles_->scene, geometry);
+        rtcReleaseGeometry(geometry);
+    }
+    rtcCommitScene(handles_->scene);
+    handles_->check();
+}
+
+RayTracer::~RayTracer() = default;
+RayTracer::RayTracer(RayTracer&&) noexcept = default;
+RayTracer& RayTracer::operator=(RayTracer&&) noexcept = default;
+
+void RayTracer::intersect(Span<const Ray> rays, Span<Hit> hits, bool coherent) const noexcept {
+    RTCRayHit16 packet;
+    alignas(64) int valid[kPacket];
+    prepare(packet.ray);
+    for (std::size_t first = 0; first < rays.size(); first += kPacket) {
+        const std::size_t count = fill(rays, first, packet.ray, valid);
+        std::fill_n(packet.hit.geomID, kPacket, RTC_INVALID_GEOMETRY_ID);
+        embree::intersect16(valid, handles_->scene, packet, coherent);
+        for (std::size_t i = 0; i < count; ++i) {
+            const bool hit = packet.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID;
+            hits[first + i] = {hit ? packet.hit.primID[i] : kNoHit, packet.hit.u[i],
+                               packet.hit.v[i]};
+        }
+    }
+}
+
+void RayTracer::occluded(Span<const Ray> rays, Span<std::uint8_t> occluded) const noexcept {
+    RTCRay16 packet;
+    alignas(64) int valid[kPacket];
+    prepare(packet);
+    for (std::size_t first = 0; first < rays.size(); first += kPacket) {
+        const std::size_t count = fill(rays, first, packet, valid);
+        embree::occluded16(valid, handles_->scene, packet);
+        for (std::size_t i = 0; i < count; ++i) {
+            occluded[first + i] = packet.tfar[i] < 0.0f ? 1 : 0;
+        }
+    }
+}
+
+}  // namespace lightcull

@@ -1,0 +1,34 @@
+#pragma once
+
+#include "render/ray.h"
+#include "render/vec.h"
+
+#include <lightcull/span.h>
+
+#include <cstdint>
+#include <memory>
+
+namespace lightcull {
+
+/// Finds what rays hit among triangles.
+class RayTracer {
+  public:
+    /// Builds the acceleration structure in the caller's TBB arena. `positions` stay the caller's,
+    /// who keeps them in place and one more element readable after the last. Throws Error.
+    RayTracer(Span<const V3f> positions, Span<const std::uint32_t> indices);
+    ~RayTracer();
+    RayTracer(RayTracer&&) noexcept;
+    RayTracer& operator=(RayTracer&&) noexcept;
+
+    /// hits[i] is the first hit of rays[i]. coherent: neighbours go much the same way.
+    void intersect(Span<const Ray> rays, Span<Hit> hits, bool coherent) const noexcept;
+
+    /// occluded[i] is 1 if anything is hit by rays[i] before its end, else 0.
+    void occluded(Span<const Ray> rays, Span<std::uint8_t> occluded) const noexcept;
+
+  private:
+    struct Handles;
+    std::unique_ptr<Handles> handles_;
+};
+
+}  // namespace lightcull

@@ -1,0 +1,172 @@
+#include <lightcull/render/renderer.h>
+
+#include "base/random.h"
+#include "render/camera.h"
+#include "render/film.h"
+#include "render/scene_impl.h"
+#include "render/settings.h"
+#include "render/wavefront.h"
+
+#include <lightcull/error.h>
+
+#include <tbb/info.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+namespace lightcull {
+namespace {
+
+/// Edge of a tile in pixels: small enough that a few threads share a small image evenly.
+constexpr std::uint32_t kTileSize = 64;
+/// Edge of a region in pixels: as many points as light selection gets at a time, and as many paths
+/// as are in memory.
+constexpr std::uint32_t kRegionSize = 512;
+
+int thread_count(std::uint32_t wanted) {
+    const int available = tbb::info::default_concurrency();
+    return wanted == 0 ? available : std::min(static_cast<int>(wanted), available);
+}
+
+std::vector<Tile> tiles_of(const Tile& area, std::uint32_t edge) {
+    std::vector<Tile> tiles;
+    for (std::uint32_t y = area.y0; y < area.y1; y += edge) {
+        for (std::uint32_t x = area.x0; x < area.x1; x += edge) {
+            tiles.push_back({x, y, std::min(x + edge, area.x1), std::min(y + edge, area.y1)});
+        }
+    }
+    return tiles;
+}
+
+}  // namespace
+
+struct Renderer::Impl {
+    std::shared_ptr<const Scene> scene;
+    RenderSettings settings;
+    std::unique_ptr<LightSampler> sampler;
+    CameraRays camera;
+    tbb::task_arena arena;
+    std::vector<Wavefront> wavefronts;  ///< one for each tile of a region
+    std::vector<ShadingPoint> points;   ///< of all of them, one after the other
+    std::vector<float> selection_numbers;
+    std::vector<Selection> selections;
+    std::vector<V3f> pass_pixels;
+    Film film;
+    RenderStats stats;
+    RenderStats cost;  ///< of the pass under way
+
+    Impl(std::shared_ptr<const Scene> s, const RenderSettings& r, std::unique_ptr<LightSampler> l)
+        : scene(std::move(s)),
+          settings(r),
+          sampler(std::move(l)),
+          camera(scene->camera(), r.width, r.height),
+          arena(thread_count(r.threads)),
+          pass_pixels(std::size_t{r.width} * r.height),
+          film(pass_pixels.size()) {}
+
+    void render_regions(const std::atomic<bool>* cancel);
+    void render_region(const Pass& pass, const Tile& region);
+    void select_lights(const std::vector<std::uint8_t>& under_way);
+};
+
+void Renderer::Impl::render_regions(const std::atomic<bool>* cancel) {
+    // The ranges of light samplers must differ from seed to seed, too.
+    sampler->begin_pass(mix(settings.seed) + stats.passes);
+    std::fill(pass_pixels.begin(), pass_pixels.end(), V3f(0.0f));
+    const Pass pass{
+        scene->impl(), settings,          camera, *sampler, hash(settings.seed, stats.passes),
+        cancel,        pass_pixels.data()};
+    for (const Tile& region : tiles_of({0, 0, settings.width, settings.height}, kRegionSize)) {
+        if (!pass.cancelled()) render_region(pass, region);
+    }
+}
+
+void Renderer::Impl::render_region(const Pass& pass, const Tile& region) {
+    const std::vector<Tile> tiles = tiles_of(region, kTileSize);
+    if (wavefronts.size() < tiles.size()) wavefronts.resize(tiles.size());
+    tbb::parallel_for(std::size_t{0}, tiles.size(),
+                      [&](std::size_t i) { wavefronts[i].start(pass, tiles[i]); });
+    std::vector<std::uint8_t> under_way(tiles.size(), 1);
+    while (std::any_of(under_way.begin(), under_way.end(), [](auto u) { return u != 0; })) {
+        tbb::parallel_for(std::size_t{0}, tiles.size(), [&](std::size_t i) {
+            if (under_way[i] != 0) under_way[i] = wavefronts[i].advance() ? 1 : 0;
+        });
+        select_lights(under_way);
+        tbb::parallel_for(std::size_t{0}, tiles.size(), [&](std::size_t i) {
+            if (under_way[i] != 0) wavefronts[i].shade();
+        });
+    }
+}
+
+/// For the points of all wavefronts in one call: the more points, the less each of them costs.
+void Renderer::Impl::select_lights(const std::vector<std::uint8_t>& under_way) {
+    points.clear();
+    selection_numbers.clear();
+    for (std::size_t i = 0; i < under_way.size(); ++i) {
+        if (under_way[i] == 0) continue;
+        const auto p = wavefronts[i].points();
+        const auto u = wavefronts[i].selection_numbers();
+        points.insert(points.end(), p.begin(), p.end());
+        selection_numbers.insert(selection_numbers.end(), u.begin(), u.end());
+    }
+    if (points.empty()) return;
+    selections.resize(points.size());
+    const auto start = std::chrono::steady_clock::now();
+    sampler->select(points, selection_numbers, selections);
+    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+    cost.selection_seconds += elapsed.count() * arena.max_concurrency();
+    cost.selections += points.size();
+
+    auto next = selections.begin();
+    for (std::size_t i = 0; i < under_way.size(); ++i) {
+        if (under_way[i] == 0) continue;
+        const Span<Selection> into = wavefronts[i].selections();
+        const auto end = next + static_cast<std::ptrdiff_t>(wavefronts[i].points().size());
+        std::copy(next, end, into.begin());
+        next = end;
+    }
+}
+
+Renderer::Renderer(std::shared_ptr<const Scene> scene, const RenderSettings& settings,
+                   std::unique_ptr<LightSampler> sampler) {
+    if (scene == nullptr) throw Error("renderer: there is no scene");
+    if (sampler == nullptr) throw Error("renderer: there is no sampler");
+    check_committed(*scene);
+    check_settings(settings);
+    impl_ = std::make_unique<Impl>(std::move(scene), settings, std::move(sampler));
+}
+
+Renderer::~Renderer() = default;
+
+bool Renderer::render_pass(const std::atomic<bool>* cancel) {
+    const auto start = std::chrono::steady_clock::now();
+    RenderStats& cost = impl_->cost = {};
+    impl_->arena.execute([&] { impl_->render_regions(cancel); });
+    for (Wavefront& wavefront : impl_->wavefronts) cost.rays += wavefront.take_ray_count();
+    if (cancel != nullptr && cancel->load()) return false;
+    impl_->film.add(impl_->pass_pixels);
+    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+
+    RenderStats& stats = impl_->stats;
+    ++stats.passes;
+    stats.seconds += elapsed.count();
+    stats.selection_seconds += cost.selection_seconds;
+    stats.selections += cost.selections;
+    stats.rays += cost.rays;
+    return true;
+}
+
+std::vector<float3> Renderer::image() const {
+    return impl_->film.mean();
+}
+const RenderStats& Renderer::stats() const noexcept {
+    return impl_->stats;
+}
+const LightSampler& Renderer::sampler() const noexcept {
+    return *impl_->sampler;
+}
+
+}  // namespace lightcull

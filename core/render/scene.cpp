@@ -1,0 +1,260 @@
+#include <lightcull/render/scene.h>
+
+#include "render/checks.h"
+#include "render/scene_impl.h"
+#include "render/texture.h"
+
+#include <lightcull/error.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <utility>
+
+namespace lightcull {
+namespace {
+
+/// What Embree and squared distances bear.
+constexpr float kLargestCoordinate = 1e15f;
+
+void check_not_committed(const Scene::Impl& scene) {
+    if (scene.ray_tracer) throw Error("scene: nothing can be changed after commit()");
+}
+
+void check_reflectance(const std::string& what, TextureId id, const std::vector<Texture>& all) {
+    if (id == kNoTexture) return;
+    check::index(what, id, all.size(), "textures");
+    // Images that were decoded may be above 1 by rounding.
+    constexpr float kMost = 1.001f;
+    const auto& texels = all[id].texels;
+    const auto found = std::find_if(texels.begin(), texels.end(),
+                                    [](float3 t) { return max_component(to_v3f(t)) > kMost; });
+    if (found != texels.end()) {
+        check::fail(what, "is texture " + std::to_string(id) + ", which has a texel above 1");
+    }
+}
+
+/// An attribute of which a mesh has none, or one for each of `count` things.
+template <typename T>
+void check_attribute(const std::string& what, Span<const T> values, std::size_t count,
+                     const char* things) {
+    if (values.empty()) return;
+    if (values.size() != count) {
+        check::fail(what, "has " + std::to_string(values.size()) + " elements for " +
+                              std::to_string(count) + " " + things);
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+        if constexpr (std::is_same_v<T, float2>) {
+            if (std::isfinite(values[i].x) && std::isfinite(values[i].y)) continue;
+        } else {
+            if (is_finite(to_v3f(values[i]))) continue;
+        }
+        check::finite(check::element(what, i), values[i]);
+    }
+}
+
+void check_geometry(const std::string& name, const Mesh& mesh) {
+    for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+        const V3f p = to_v3f(mesh.positions[i]);
+        if (is_finite(p) && max_component(abs(p)) <= kLargestCoordinate) continue;
+        const std::string what = check::element(name + ": positions", i);
+        check::finite(what, mesh.positions[i]);
+        check::fail(what, "is above 1e15");
+    }
+    if (mesh.indices.size() % 3 != 0) {
+        check::fail(name + ": indices", "has " + std::to_string(mesh.indices.size()) +
+                                            " elements, not three per triangle");
+    }
+    for (std::size_t i = 0; i < mesh.indices.size(); ++i) {
+        if (mesh.indices[i] < mesh.positions.size()) continue;
+        check::index(check::element(name + ": indices", i), mesh.indices[i], mesh.positions.size(),
+                     "positions");
+    }
+    check_attribute(name + ": normals", mesh.normals, mesh.positions.size(), "positions");
+    check_attribute(name + ": uvs", mesh.uvs, mesh.positions.size(), "positions");
+}
+
+void check_emission(const std::string& name, const Mesh& mesh, std::size_t texture_count) {
+    const Emission& e = mesh.emission;
+    check::radiometric(name + ": emission.radiance", e.radiance);
+    const std::string faces = name + ": emission.face_radiance";
+    check_attribute(faces, e.face_radiance, mesh.indices.size() / 3, "triangles");
+    for (std::size_t i = 0; i < e.face_radiance.size(); ++i) {
+        const float3 r = e.face_radiance[i];
+        if (r.x < 0.0f || r.y < 0.0f || r.z < 0.0f) {
+            check::radiometric(check::element(faces, i), r);
+        }
+    }
+    if (e.texture == kNoTexture) return;
+    check::index(name + ": emission.texture", e.texture, texture_count, "textures");
+    if (mesh.uvs.empty()) check::fail(name + ": emission.texture", "needs uvs");
+}
+
+void check_mesh(const std::string& name, const Mesh& mesh, const Scene::Impl& scene) {
+    check_geometry(name, mesh);
+    check::index(name + ": material", mesh.material, scene.materials.size(), "materials");
+    const Material& m = scene.materials[mesh.material];
+    const bool textured =
+        m.base_color_texture != kNoTexture || m.metallic_roughness_texture != kNoTexture;
+    if (textured && mesh.uvs.empty()) {
+        check::fail(name + ": material " + std::to_string(mesh.material),
+                    "has textures, and the mesh has no uvs");
+    }
+    check_emission(name, mesh, scene.textures.size());
+    constexpr std::size_t kMost = std::numeric_limits<std::uint32_t>::max() - 1;
+    if (scene.positions.size() + mesh.positions.size() > kMost ||
+        scene.triangles.size() + mesh.indices.size() / 3 > kMost) {
+        check::fail(name, "does not fit: a scene holds 2^32 positions and triangles");
+    }
+}
+
+/// Lights for the emissive triangles of the mesh that was added last.
+void add_triangle_lights(Scene::Impl& scene, const Mesh& mesh) {
+    const Emission& e = mesh.emission;
+    const std::size_t count = mesh.indices.size() / 3;
+    const std::size_t first = scene.triangles.size() - count;
+    for (std::size_t i = 0; i < count; ++i) {
+        V3f radiance = to_v3f(e.radiance);
+        if (!e.face_radiance.empty()) radiance *= to_v3f(e.face_radiance[i]);
+        if (!(luminance(radiance) > 0.0f)) continue;
+
+        const auto triangle = static_cast<std::uint32_t>(first + i);
+        const V3f& a = scene.positions[scene.corner(triangle, 0)];
+        const V3f& b = scene.positions[scene.corner(triangle, 1)];
+        const V3f& c = scene.positions[scene.corner(triangle, 2)];
+        float mean = luminance(radiance);
+        if (e.texture != kNoTexture) {
+            mean *= mean_luminance(scene.textures[e.texture], scene.uv_at(triangle, 0.0f, 0.0f),
+                                   scene.uv_at(triangle, 1.0f, 0.0f),
+                                   scene.uv_at(triangle, 0.0f, 1.0f));
+        }
+        scene.triangles[triangle].light = static_cast<std::uint32_t>(scene.lights.size());
+        scene.emitters.emplace_back(
+            TriangleEmitter{a, b - a, c - a, radiance, triangle, e.texture, e.two_sided});
+        scene.lights.push_back(
+            triangle_light(to_float3(a), to_float3(b), to_float3(c), mean, e.two_sided));
+    }
+}
+
+}  // namespace
+
+Scene::Scene() : impl_(std::make_unique<Impl>()) {
+}
+Scene::~Scene() = default;
+
+TextureId Scene::add_texture(Texture texture) {
+    check_not_committed(*impl_);
+    check::texture("texture " + std::to_string(impl_->textures.size()), texture);
+    impl_->textures.push_back(std::move(texture));
+    return static_cast<TextureId>(impl_->textures.size() - 1);
+}
+
+MaterialId Scene::add_material(const Material& material) {
+    check_not_committed(*impl_);
+    const std::string name = "material " + std::to_string(impl_->materials.size()) + ": ";
+    if (material.kind != MaterialKind::kDiffuse &&
+        material.kind != MaterialKind::kMetallicRoughness) {
+        check::fail(name + "kind", "is unknown");
+    }
+    check::in_unit_range(name + "base_color.x", material.base_color.x);
+    check::in_unit_range(name + "base_color.y", material.base_color.y);
+    check::in_unit_range(name + "base_color.z", material.base_color.z);
+    check::in_unit_range(name + "metallic", material.metallic);
+    check::in_unit_range(name + "roughness", material.roughness);
+    check_reflectance(name + "base_color_texture", material.base_color_texture, impl_->textures);
+    check_reflectance(name + "metallic_roughness_texture", material.metallic_roughness_texture,
+                      impl_->textures);
+    impl_->materials.push_back(material);
+    return static_cast<MaterialId>(impl_->materials.size() - 1);
+}
+
+MeshId Scene::add_mesh(const Mesh& mesh) {
+    Impl& s = *impl_;
+    check_not_committed(s);
+    const auto id = static_cast<MeshId>(s.meshes.size());
+    const std::string name = "mesh \"" + mesh.name + "\"";
+    check_mesh(name, mesh, s);
+
+    MeshRecord record;
+    record.material = mesh.material;
+    record.first_position = static_cast<std::uint32_t>(s.positions.size());
+    for (const float3 p : mesh.positions) s.positions.push_back(to_v3f(p));
+    if (!mesh.normals.empty()) {
+        record.first_normal = static_cast<std::uint32_t>(s.normals.size());
+        for (const float3 n : mesh.normals) s.normals.push_back(to_v3f(n));
+    }
+    if (!mesh.uvs.empty()) {
+        record.first_uv = static_cast<std::uint32_t>(s.uvs.size());
+        for (const float2 uv : mesh.uvs) s.uvs.emplace_back(uv.x, uv.y);
+    }
+    for (const std::uint32_t i : mesh.indices) s.indices.push_back(record.first_position + i);
+    s.meshes.push_back(record);
+    s.triangles.resize(s.triangles.size() + mesh.indices.size() / 3, TriangleRecord{id, kNone});
+    add_triangle_lights(s, mesh);
+    return id;
+}
+
+void Scene::add_point_light(float3 position, float3 intensity) {
+    check_not_committed(*impl_);
+    const std::string name = "light " + std::to_string(impl_->lights.size()) + ", a point: ";
+    check::finite(name + "position", position);
+    check::radiometric(name + "intensity", intensity);
+    impl_->emitters.emplace_back(PointEmitter{to_v3f(position), to_v3f(intensity)});
+    impl_->lights.push_back(point_light(position, luminance(to_v3f(intensity))));
+}
+
+void Scene::add_spot_light(float3 position, float3 direction, float3 intensity, float inner,
+                           float outer) {
+    check_not_committed(*impl_);
+    const std::string name = "light " + std::to_string(impl_->lights.size()) + ", a spot: ";
+    check::finite(name + "position", position);
+    check::finite(name + "direction", direction);
+    check::radiometric(name + "intensity", intensity);
+    const V3f axis = to_v3f(direction).normalized();
+    if (axis == V3f(0.0f)) check::fail(name + "direction", "is 0");
+    if (!(inner >= 0.0f && inner <= outer && outer <= kPi)) {
+        check::fail(name + "inner and outer", "are not 0 <= inner <= outer <= pi");
+    }
+    impl_->emitters.emplace_back(
+        SpotEmitter{to_v3f(position), to_v3f(intensity), axis, std::cos(inner), std::cos(outer)});
+    impl_->lights.push_back(
+        spot_light(position, to_float3(axis), luminance(to_v3f(intensity)), inner, outer));
+}
+
+void Scene::set_environment(Environment environment) {
+    check_not_committed(*impl_);
+    check::texture("environment: map", environment.map);
+    check::radiometric("environment: scale", environment.scale);
+    check::finite("environment: rotation", environment.rotation);
+    impl_->environment.emplace(std::move(environment));
+}
+
+void Scene::set_camera(const Camera& camera) {
+    check_not_committed(*impl_);
+    check::camera(camera);
+    impl_->camera = camera;
+}
+
+void Scene::commit() {
+    check_not_committed(*impl_);
+    auto& positions = impl_->positions;
+    // Embree reads 16 bytes from the last position.
+    positions.reserve(positions.size() + 1);
+    impl_->ray_tracer.emplace(positions, impl_->indices);
+}
+
+Span<const Light> Scene::lights() const noexcept {
+    return impl_->lights;
+}
+std::size_t Scene::triangle_count() const noexcept {
+    return impl_->triangles.size();
+}
+bool Scene::has_environment() const noexcept {
+    return impl_->environment.has_value();
+}
+const Camera& Scene::camera() const noexcept {
+    return impl_->camera;
+}
+
+}  // namespace lightcull

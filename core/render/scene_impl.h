@@ -1,0 +1,62 @@
+#pragma once
+
+#include "render/emitter.h"
+#include "render/environment.h"
+#include "render/ray_tracer.h"
+#include "render/vec.h"
+
+#include <lightcull/light.h>
+#include <lightcull/render/scene.h>
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace lightcull {
+
+inline constexpr std::uint32_t kNone = 0xffffffffu;
+
+/// What the triangles of a mesh have in common; indices into the arrays of Scene::Impl.
+struct MeshRecord {
+    MaterialId material = 0;
+    std::uint32_t first_position = 0;
+    std::uint32_t first_normal = kNone;  ///< kNone: no shading normals
+    std::uint32_t first_uv = kNone;      ///< kNone: no texture coordinates
+};
+
+struct TriangleRecord {
+    std::uint32_t mesh = 0;
+    std::uint32_t light = kNone;
+};
+
+struct Scene::Impl {
+    std::vector<Texture> textures;
+    std::vector<Material> materials;
+
+    std::vector<MeshRecord> meshes;
+    std::vector<TriangleRecord> triangles;
+    std::vector<std::uint32_t> indices;  ///< three per triangle, into positions
+    std::vector<V3f> positions, normals;
+    std::vector<V2f> uvs;
+
+    std::vector<Emitter> emitters;
+    std::vector<Light> lights;  ///< of emitters, one each
+
+    std::optional<EnvironmentMap> environment;
+    Camera camera;
+    std::optional<RayTracer> ray_tracer;  ///< since commit()
+
+    /// A corner's index into positions.
+    std::uint32_t corner(std::uint32_t triangle, std::uint32_t k) const noexcept {
+        return indices[std::size_t{triangle} * 3 + k];
+    }
+    /// Texture coordinates; the mesh must have them.
+    V2f uv_at(std::uint32_t triangle, float u, float v) const noexcept {
+        const MeshRecord& mesh = meshes[triangles[triangle].mesh];
+        const std::uint32_t shift = mesh.first_uv - mesh.first_position;
+        return uvs[corner(triangle, 0) + shift] * (1.0f - u - v) +
+               uvs[corner(triangle, 1) + shift] * u + uvs[corner(triangle, 2) + shift] * v;
+    }
+};
+
+}  // namespace lightcull

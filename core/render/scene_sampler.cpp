@@ -1,0 +1,92 @@
+#include "render/camera.h"
+#include "render/path_random.h"
+#include "render/scene_impl.h"
+#include "render/settings.h"
+#include "render/surface.h"
+
+#include <lightcull/render/renderer.h>
+#include <lightcull/samplers.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace lightcull {
+namespace {
+
+/// Points of each kind that a sampler is calibrated on.
+constexpr std::uint32_t kCalibrationPoints = 128;
+
+/// The surfaces that rays meet.
+std::vector<Surface> trace(const Scene::Impl& scene, const std::vector<Ray>& rays) {
+    std::vector<Hit> hits(rays.size());
+    scene.ray_tracer->intersect(rays, hits, false);
+    std::vector<Surface> surfaces;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        if (hits[i].triangle == kNoHit) continue;
+        surfaces.push_back(make_surface(scene, hits[i], rays[i].direction));
+    }
+    return surfaces;
+}
+
+/// What the centres of about `count` cells show, in which the image is divided.
+std::vector<Surface> camera_surfaces(const Scene& scene, const RenderSettings& settings,
+                                     std::uint32_t count) {
+    check_committed(scene);
+    check_settings(settings);
+    const auto width = static_cast<float>(settings.width);
+    const auto height = static_cast<float>(settings.height);
+    const float cell = std::sqrt(width * height / static_cast<float>(std::max(count, 1u)));
+    const auto cells = [&](std::uint32_t pixels) {
+        const float wanted = std::round(static_cast<float>(pixels) / cell);
+        return std::clamp(static_cast<std::uint32_t>(wanted), 1u, pixels);
+    };
+    const V2f grid(static_cast<float>(cells(settings.width)),
+                   static_cast<float>(cells(settings.height)));
+    const CameraRays camera(scene.camera(), settings.width, settings.height);
+    std::vector<Ray> rays;
+    for (std::uint32_t y = 0; y < cells(settings.height); ++y) {
+        for (std::uint32_t x = 0; x < cells(settings.width); ++x) {
+            const V2f place(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f);
+            rays.push_back(camera.ray(place / grid * V2f(width, height), V2f(0.5f)));
+        }
+    }
+    return trace(scene.impl(), rays);
+}
+
+/// What one scattered ray from each of the surfaces meets.
+std::vector<Surface> bounce(const Scene::Impl& scene, const std::vector<Surface>& from) {
+    std::vector<Ray> rays;
+    for (std::uint32_t i = 0; i < from.size(); ++i) {
+        const PathRandom random(0, i, 1);
+        const BsdfSample s =
+            from[i].bsdf.sample(random.one(Dimension::kLobe), random.two(Dimension::kScatter));
+        if (s.pdf > 0.0f && s.direction.dot(from[i].normal) > 0.0f) {
+            rays.push_back({from[i].origin, s.direction});
+        }
+    }
+    return trace(scene, rays);
+}
+
+void append(const std::vector<Surface>& surfaces, std::vector<ShadingPoint>& points) {
+    for (const Surface& s : surfaces) points.push_back(s.shading_point(0));
+}
+
+}  // namespace
+
+std::vector<ShadingPoint> camera_points(const Scene& scene, const RenderSettings& settings,
+                                        std::uint32_t count) {
+    std::vector<ShadingPoint> points;
+    append(camera_surfaces(scene, settings, count), points);
+    return points;
+}
+
+std::unique_ptr<LightSampler> make_scene_sampler(std::string_view description, const Scene& scene,
+                                                 const RenderSettings& settings) {
+    const std::vector<Surface> seen = camera_surfaces(scene, settings, kCalibrationPoints);
+    std::vector<ShadingPoint> points;
+    append(seen, points);
+    if (settings.max_depth > 2) append(bounce(scene.impl(), seen), points);
+    return make_sampler(description, scene.lights(), {points, settings.width * settings.height});
+}
+
+}  // namespace lightcull

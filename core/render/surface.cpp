@@ -1,0 +1,80 @@
+#include "render/surface.h"
+
+#include "render/scene_impl.h"
+#include "render/texture.h"
+
+#include <algorithm>
+
+namespace lightcull {
+namespace {
+
+/// The interpolated normal, or the geometric one where the mesh has none; on the viewer's side of
+/// the surface, and bent until it faces the viewer.
+V3f shading_normal(const Scene::Impl& scene, const MeshRecord& mesh, const Hit& hit,
+                   const V3f& normal, const V3f& outgoing) noexcept {
+    if (mesh.first_normal == kNone) return normal;
+    const std::uint32_t shift = mesh.first_normal - mesh.first_position;
+    V3f n = scene.normals[scene.corner(hit.triangle, 0) + shift] * (1.0f - hit.u - hit.v) +
+            scene.normals[scene.corner(hit.triangle, 1) + shift] * hit.u +
+            scene.normals[scene.corner(hit.triangle, 2) + shift] * hit.v;
+    n.normalize();
+    if (n == V3f(0.0f)) return normal;
+    if (n.dot(normal) < 0.0f) n = -n;
+    constexpr float kMinCosine = 1e-3f;
+    const float cosine = n.dot(outgoing);
+    return cosine >= kMinCosine ? n : unit(n + outgoing * (kMinCosine - cosine));
+}
+
+Bsdf make_bsdf(const Scene::Impl& scene, const MeshRecord& mesh, const Hit& hit, const V3f& normal,
+               const V3f& outgoing) noexcept {
+    const Material& m = scene.materials[mesh.material];
+    V3f base_color = to_v3f(m.base_color);
+    if (m.base_color_texture != kNoTexture) {
+        const V3f texel =
+            lookup(scene.textures[m.base_color_texture], scene.uv_at(hit.triangle, hit.u, hit.v));
+        base_color *=
+            V3f(std::min(texel.x, 1.0f), std::min(texel.y, 1.0f), std::min(texel.z, 1.0f));
+    }
+    if (m.kind == MaterialKind::kDiffuse) return Bsdf::diffuse(normal, outgoing, base_color);
+
+    float metallic = m.metallic, roughness = m.roughness;
+    if (m.metallic_roughness_texture != kNoTexture) {
+        const V3f texel = lookup(scene.textures[m.metallic_roughness_texture],
+                                 scene.uv_at(hit.triangle, hit.u, hit.v));
+        roughness *= std::min(texel.y, 1.0f);
+        metallic *= std::min(texel.z, 1.0f);
+    }
+    return Bsdf::metallic_roughness(normal, outgoing, base_color, metallic, roughness);
+}
+
+}  // namespace
+
+V3f hit_position(const Scene::Impl& scene, const Hit& hit) noexcept {
+    return scene.positions[scene.corner(hit.triangle, 0)] * (1.0f - hit.u - hit.v) +
+           scene.positions[scene.corner(hit.triangle, 1)] * hit.u +
+           scene.positions[scene.corner(hit.triangle, 2)] * hit.v;
+}
+
+Surface make_surface(const Scene::Impl& scene, const Hit& hit, const V3f& direction) noexcept {
+    const V3f& a = scene.positions[scene.corner(hit.triangle, 0)];
+    const V3f& b = scene.positions[scene.corner(hit.triangle, 1)];
+    const V3f& c = scene.positions[scene.corner(hit.triangle, 2)];
+    const V3f edge1 = b - a, edge2 = c - a;
+
+    Surface s;
+    s.position = a * (1.0f - hit.u - hit.v) + b * hit.u + c * hit.v;
+    s.normal = edge1.cross(edge2).normalized();
+    if (s.normal.dot(direction) > 0.0f) s.normal = -s.normal;
+    const V3f magnitude(std::max({std::fabs(a.x), std::fabs(b.x), std::fabs(c.x)}),
+                        std::max({std::fabs(a.y), std::fabs(b.y), std::fabs(c.y)}),
+                        std::max({std::fabs(a.z), std::fabs(b.z), std::fabs(c.z)}));
+    s.origin = s.position + s.normal * clearance(s.normal, magnitude, edge1, edge2);
+
+    const MeshRecord& mesh = scene.meshes[scene.triangles[hit.triangle].mesh];
+    const V3f outgoing = -direction;
+    s.bsdf =
+        make_bsdf(scene, mesh, hit, shading_normal(scene, mesh, hit, s.normal, outgoing), outgoing);
+    return s;
+}
+
+}  // namespace lightcull

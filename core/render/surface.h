@@ -1,0 +1,30 @@
+#pragma once
+
+#include "render/bsdf.h"
+#include "render/ray.h"
+#include "render/vec.h"
+
+#include <lightcull/light_sampler.h>
+#include <lightcull/render/scene.h>
+
+namespace lightcull {
+
+/// A point of a surface, seen from one side.
+struct Surface {
+    V3f position{0.0f};
+    V3f normal{0.0f};  ///< geometric, on the viewer's side
+    V3f origin{0.0f};  ///< where rays that leave on the viewer's side start
+    Bsdf bsdf;
+
+    /// What a light sampler is asked about: the shading normal, on the viewer's side.
+    ShadingPoint shading_point(std::uint32_t set) const noexcept {
+        return {to_float3(position), to_float3(bsdf.normal()), set};
+    }
+};
+
+V3f hit_position(const Scene::Impl& scene, const Hit& hit) noexcept;
+
+/// The surface at a hit of a ray that came along `direction` (unit length).
+Surface make_surface(const Scene::Impl& scene, const Hit& hit, const V3f& direction) noexcept;
+
+}  // namespace lightcull

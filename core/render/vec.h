@@ -1,0 +1,68 @@
+#pragma once
+
+#include <lightcull/float3.h>
+
+#include <ImathVec.h>
+#include <cmath>
+
+/// Vectors inside core/render are Imath's; float3 is for the public headers alone.
+
+namespace lightcull {
+
+using Imath::V2f;
+using Imath::V3f;
+
+inline constexpr float kPi = 3.14159265358979323846f;
+inline constexpr float kInvPi = 0.31830988618379067154f;
+
+inline V3f to_v3f(float3 a) noexcept {
+    return {a.x, a.y, a.z};
+}
+inline float3 to_float3(const V3f& a) noexcept {
+    return {a.x, a.y, a.z};
+}
+
+inline bool is_finite(const V3f& a) noexcept {
+    return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);
+}
+inline float max_component(const V3f& a) noexcept {
+    return std::fmax(a.x, std::fmax(a.y, a.z));
+}
+inline V3f abs(const V3f& a) noexcept {
+    return {std::fabs(a.x), std::fabs(a.y), std::fabs(a.z)};
+}
+
+/// Unit vector along a, which must not be 0. Imath's asks about denormal lengths first.
+inline V3f unit(const V3f& a) noexcept {
+    return a * (1.0f / std::sqrt(a.dot(a)));
+}
+
+/// Luminance of linear RGB with the sRGB primaries (Rec. 709).
+inline float luminance(const V3f& rgb) noexcept {
+    return 0.2126f * rgb.x + 0.7152f * rgb.y + 0.0722f * rgb.z;
+}
+
+/// An orthonormal basis around a unit normal (Duff et al. 2017, "Building an Orthonormal Basis,
+/// Revisited").
+class Frame {
+  public:
+    Frame() = default;
+    explicit Frame(const V3f& n) noexcept : normal(n) {
+        const float sign = std::copysign(1.0f, n.z);
+        const float a = -1.0f / (sign + n.z);
+        const float b = n.x * n.y * a;
+        tangent = V3f(1.0f + sign * n.x * n.x * a, sign * b, -sign * n.x);
+        bitangent = V3f(b, sign + n.y * n.y * a, -n.y);
+    }
+
+    V3f to_local(const V3f& v) const noexcept {
+        return {v.dot(tangent), v.dot(bitangent), v.dot(normal)};
+    }
+    V3f to_world(const V3f& v) const noexcept {
+        return tangent * v.x + bitangent * v.y + normal * v.z;
+    }
+
+    V3f tangent, bitangent, normal;
+};
+
+}  // namespace lightcull

@@ -1,0 +1,267 @@
+#include "render/wavefront.h"
+
+#include "render/emitter.h"
+#include "render/morton.h"
+#include "render/scene_impl.h"
+
+#include <algorithm>
+#include <utility>
+#include <variant>
+
+namespace lightcull {
+namespace {
+
+/// Points of one packet share a set of random ranges (DESIGN section 3, "No banding").
+constexpr std::uint32_t kPointsPerPacket = 16;
+
+/// Camera rays are traced in packets of a square of this many pixels.
+constexpr std::uint32_t kBlock = 4;
+
+}  // namespace
+
+void Wavefront::start(const Pass& pass, const Tile& tile) {
+    pass_ = &pass;
+    paths_.clear();
+    rays_.clear();
+    depth_ = 0;
+    for (std::uint32_t y0 = tile.y0; y0 < tile.y1; y0 += kBlock) {
+        for (std::uint32_t x0 = tile.x0; x0 < tile.x1; x0 += kBlock) {
+            for (std::uint32_t y = y0; y < std::min(y0 + kBlock, tile.y1); ++y) {
+                for (std::uint32_t x = x0; x < std::min(x0 + kBlock, tile.x1); ++x) {
+                    const std::uint32_t pixel = y * pass_->settings.width + x;
+                    const PathRandom random = random_of(pixel);
+                    const V2f corner(static_cast<float>(x), static_cast<float>(y));
+                    paths_.push_back({pixel, V3f(1.0f), 0.0f, {}, {}});
+                    rays_.push_back(pass_->camera.ray(corner + random.two(Dimension::kPixel),
+                                                      random.two(Dimension::kLens)));
+                }
+            }
+        }
+    }
+}
+
+bool Wavefront::advance() {
+    if (rays_.empty() || pass_->cancelled()) return false;
+    ++depth_;
+    intersect();
+    add_emission();
+    if (depth_ == pass_->settings.max_depth) return false;
+    if (depth_ > 1) sort_along_curve();
+    make_vertices();
+    return !order_.empty();
+}
+
+void Wavefront::shade() {
+    const RenderSettings& settings = pass_->settings;
+    if (settings.direct_light != DirectLight::kBsdf) add_direct_light();
+    const bool next_is_last = depth_ + 1 == settings.max_depth;
+    if (next_is_last && settings.direct_light == DirectLight::kLights) {
+        rays_.clear();
+    } else {
+        scatter();
+    }
+}
+
+std::uint64_t Wavefront::take_ray_count() noexcept {
+    return std::exchange(rays_traced_, 0);
+}
+
+void Wavefront::intersect() {
+    hits_.resize(rays_.size());
+    pass_->scene.ray_tracer->intersect(rays_, hits_, depth_ == 1);
+    rays_traced_ += rays_.size();
+}
+
+void Wavefront::add_emission() {
+    order_.clear();
+    for (std::uint32_t i = 0; i < rays_.size(); ++i) {
+        const Path& path = paths_[i];
+        if (hits_[i].triangle == kNoHit) {
+            pass_->pixels[path.pixel] += path.throughput * escaped(path, rays_[i]);
+            continue;
+        }
+        const std::uint32_t light = pass_->scene.triangles[hits_[i].triangle].light;
+        if (light != kNone) {
+            pass_->pixels[path.pixel] +=
+                path.throughput * emitted_by(light, path, rays_[i], hits_[i]);
+        }
+        order_.push_back(i);
+    }
+}
+
+V3f Wavefront::escaped(const Path& path, const Ray& ray) const noexcept {
+    if (!pass_->scene.environment) return V3f(0.0f);
+    const EnvironmentMap& environment = *pass_->scene.environment;
+    const bool mis = depth_ > 1 && pass_->settings.direct_light == DirectLight::kMis;
+    const float pdf = mis ? environment_share() * environment.pdf(ray.direction) : 0.0f;
+    return environment.radiance(ray.direction) * hit_weight(path, pdf);
+}
+
+V3f Wavefront::emitted_by(std::uint32_t light, const Path& path, const Ray& ray,
+                          const Hit& hit) const noexcept {
+    const auto& emitter = *std::get_if<TriangleEmitter>(&pass_->scene.emitters[light]);
+    const V3f radiance = emitted(pass_->scene, emitter, hit.u, hit.v, -ray.direction);
+    if (radiance == V3f(0.0f)) return radiance;
+    float pdf = 0.0f;
+    if (depth_ > 1 && pass_->settings.direct_light == DirectLight::kMis) {
+        const V3f to_hit = hit_position(pass_->scene, hit) - to_v3f(path.point.position);
+        pdf = lights_share() * pass_->sampler.prob(path.point, path.receipt, light) *
+              triangle_pdf(emitter, to_hit);
+    }
+    return radiance * hit_weight(path, pdf);
+}
+
+/// The MIS weight of light that a ray has found, `light_pdf` being the density with which light
+/// sampling would have chosen its direction.
+float Wavefront::hit_weight(const Path& path, float light_pdf) const noexcept {
+    if (depth_ == 1) return 1.0f;
+    switch (pass_->settings.direct_light) {
+        case DirectLight::kLights:
+            return 0.0f;
+        case DirectLight::kBsdf:
+            return 1.0f;
+        case DirectLight::kMis:
+            break;
+    }
+    return path.bsdf_pdf / (path.bsdf_pdf + light_pdf);
+}
+
+void Wavefront::sort_along_curve() {
+    positions_.clear();
+    for (const std::uint32_t i : order_) {
+        positions_.push_back(hit_position(pass_->scene, hits_[i]));
+    }
+    sort_by_morton_code(positions_, order_, sort_keys_);
+}
+
+void Wavefront::make_vertices() {
+    surfaces_.clear();
+    points_.clear();
+    selection_u_.clear();
+    for (std::size_t k = 0; k < order_.size(); ++k) {
+        const std::uint32_t i = order_[k];
+        surfaces_.push_back(make_surface(pass_->scene, hits_[i], rays_[i].direction));
+        if (!needs_selection()) continue;
+        points_.push_back(surfaces_.back().shading_point(set_of(k)));
+        selection_u_.push_back(random_of(path_of(k).pixel).one(Dimension::kSelectLight));
+    }
+    selections_.assign(order_.size(), Selection{});
+}
+
+std::uint32_t Wavefront::set_of(std::size_t vertex) const noexcept {
+    const std::uint32_t sets = pass_->sampler.set_count();
+    if (depth_ > 1) {
+        return set_of_packet(static_cast<std::uint32_t>(vertex / kPointsPerPacket), sets);
+    }
+    const std::uint32_t pixel = path_of(vertex).pixel, width = pass_->settings.width;
+    return set_of_pixel(pixel % width, pixel / width, sets);
+}
+
+bool Wavefront::needs_selection() const noexcept {
+    return has_lights() && pass_->settings.direct_light != DirectLight::kBsdf;
+}
+
+bool Wavefront::has_lights() const noexcept {
+    return !pass_->scene.lights.empty();
+}
+
+float Wavefront::lights_share() const noexcept {
+    if (!has_lights()) return 0.0f;
+    return pass_->scene.environment ? 0.5f : 1.0f;
+}
+
+float Wavefront::environment_share() const noexcept {
+    return pass_->scene.environment ? 1.0f - lights_share() : 0.0f;
+}
+
+void Wavefront::add_direct_light() {
+    if (!has_lights() && !pass_->scene.environment) return;
+    shadow_rays_.clear();
+    contributions_.clear();
+    for (std::size_t k = 0; k < order_.size(); ++k) {
+        const std::uint32_t pixel = path_of(k).pixel;
+        const PathRandom random = random_of(pixel);
+        const bool at_lights = random.one(Dimension::kTechnique) < lights_share();
+        const LightSample sample =
+            at_lights ? sample_light(k, random) : sample_environment(k, random);
+        if (sample.value == V3f(0.0f)) continue;
+        shadow_rays_.push_back(sample.shadow_ray);
+        contributions_.push_back({pixel, sample.value});
+    }
+    occluded_.resize(shadow_rays_.size());
+    pass_->scene.ray_tracer->occluded(shadow_rays_, occluded_);
+    rays_traced_ += shadow_rays_.size();
+    for (std::size_t j = 0; j < shadow_rays_.size(); ++j) {
+        if (occluded_[j] == 0) pass_->pixels[contributions_[j].pixel] += contributions_[j].value;
+    }
+}
+
+Wavefront::LightSample Wavefront::sample_light(std::size_t vertex,
+                                               const PathRandom& random) const noexcept {
+    const Surface& surface = surfaces_[vertex];
+    const ShadingPoint& point = points_[vertex];
+    const Selection& selection = selections_[vertex];
+    if (!(selection.prob > 0.0f)) return {};
+    const EmitterSample s = sample_emitter(pass_->scene, pass_->scene.emitters[selection.light],
+                                           surface.position, random.two(Dimension::kLightVertex));
+    if (!(s.pdf > 0.0f) || s.direction.dot(surface.normal) <= 0.0f) return {};
+    const BsdfValue bsdf = surface.bsdf.evaluate(s.direction);
+    const V3f value = path_of(vertex).throughput * bsdf.value * s.radiance;
+    if (value == V3f(0.0f)) return {};
+    const LightSampler& sampler = pass_->sampler;
+    const float vertex_prob =
+        sampler.vertex_prob(point, selection.receipt, selection.light, to_float3(s.place));
+    if (!(vertex_prob > 0.0f)) return {};
+
+    float weight = 1.0f;
+    if (pass_->settings.direct_light == DirectLight::kMis && !s.is_delta) {
+        const float prob = sampler.prob_is_proxy()
+                               ? sampler.prob(point, selection.receipt, selection.light)
+                               : selection.prob;
+        const float light_pdf = lights_share() * prob * s.pdf;
+        weight = light_pdf / (light_pdf + bsdf.pdf);
+    }
+    const float divisor = lights_share() * selection.prob * vertex_prob * s.pdf;
+    return {{surface.origin, s.place - surface.origin, kShadowEnd}, value * (weight / divisor)};
+}
+
+Wavefront::LightSample Wavefront::sample_environment(std::size_t vertex,
+                                                     const PathRandom& random) const noexcept {
+    const Surface& surface = surfaces_[vertex];
+    const EnvironmentSample s = pass_->scene.environment->sample(
+        random.fine(Dimension::kEnvironment), random.two(Dimension::kLightVertex));
+    if (!(s.pdf > 0.0f) || s.direction.dot(surface.normal) <= 0.0f) return {};
+    const BsdfValue bsdf = surface.bsdf.evaluate(s.direction);
+    const float light_pdf = environment_share() * s.pdf;
+    const bool mis = pass_->settings.direct_light == DirectLight::kMis;
+    const float weight = mis ? light_pdf / (light_pdf + bsdf.pdf) : 1.0f;
+    return {{surface.origin, s.direction},
+            path_of(vertex).throughput * bsdf.value * s.radiance * (weight / light_pdf)};
+}
+
+void Wavefront::scatter() {
+    next_paths_.clear();
+    next_rays_.clear();
+    for (std::size_t k = 0; k < order_.size(); ++k) {
+        const Path& path = path_of(k);
+        const Surface& surface = surfaces_[k];
+        const PathRandom random = random_of(path.pixel);
+        const BsdfSample s =
+            surface.bsdf.sample(random.one(Dimension::kLobe), random.two(Dimension::kScatter));
+        V3f throughput = path.throughput * s.weight;
+        if (throughput == V3f(0.0f) || s.direction.dot(surface.normal) <= 0.0f) continue;
+        if (depth_ >= pass_->settings.rr_depth) {
+            constexpr float kMostLikely = 0.95f;
+            const float survival = std::min(kMostLikely, max_component(throughput));
+            if (random.one(Dimension::kRoulette) >= survival) continue;
+            throughput /= survival;
+        }
+        next_paths_.push_back({path.pixel, throughput, s.pdf, {}, selections_[k].receipt});
+        if (needs_selection()) next_paths_.back().point = points_[k];
+        next_rays_.push_back({surface.origin, s.direction});
+    }
+    paths_.swap(next_paths_);
+    rays_.swap(next_rays_);
+}
+
+}  // namespace lightcull

@@ -1,0 +1,128 @@
+#pragma once
+
+#include "render/camera.h"
+#include "render/path_random.h"
+#include "render/ray.h"
+#include "render/surface.h"
+#include "render/vec.h"
+
+#include <lightcull/light_sampler.h>
+#include <lightcull/render/renderer.h>
+
+#include <atomic>
+#include <cstdint>
+#include <vector>
+
+namespace lightcull {
+
+/// What all tiles of a pass share.
+struct Pass {
+    const Scene::Impl& scene;
+    const RenderSettings& settings;
+    const CameraRays& camera;
+    const LightSampler& sampler;
+    std::uint64_t key;                ///< of its random numbers
+    const std::atomic<bool>* cancel;  ///< may be null
+    V3f* pixels;                      ///< where the samples go: height * width, black at first
+
+    bool cancelled() const noexcept {
+        return cancel != nullptr && cancel->load(std::memory_order_relaxed);
+    }
+};
+
+/// Pixels [x0, x1) x [y0, y1).
+struct Tile {
+    std::uint32_t x0, y0, x1, y1;
+};
+
+/// Traces one path per pixel of a tile, all of them one edge at a time:
+///     start(); while (advance()) { choose a light for each of points(); shade(); }
+/// which adds a sample to each pixel of the tile. Keeps its buffers from tile to tile.
+class Wavefront {
+  public:
+    void start(const Pass& pass, const Tile& tile);
+
+    /// Traces the next edge of all paths. False if there are no vertices to shade: the paths have
+    /// ended.
+    bool advance();
+
+    /// The vertices that the paths have come to, and the random numbers that light selection is to
+    /// take there.
+    Span<const ShadingPoint> points() const noexcept { return points_; }
+    Span<const float> selection_numbers() const noexcept { return selection_u_; }
+    /// Where the selections for points() go, at first none.
+    Span<Selection> selections() noexcept { return selections_; }
+
+    /// Adds the light that falls on the vertices, and scatters the paths.
+    void shade();
+
+    /// Rays traced since it was last asked.
+    std::uint64_t take_ray_count() noexcept;
+
+  private:
+    /// A path whose next ray is the one of the same index.
+    struct Path {
+        std::uint32_t pixel;
+        V3f throughput;
+        // For MIS, of the vertex that the ray leaves:
+        float bsdf_pdf;
+        ShadingPoint point;
+        Receipt receipt;
+    };
+    /// What a shadow ray brings if nothing is in its way.
+    struct Contribution {
+        std::uint32_t pixel;
+        V3f value;
+    };
+    /// A direction to an emitter or the environment, and what it brings.
+    struct LightSample {
+        Ray shadow_ray;
+        V3f value{0.0f};  ///< 0: not worth a ray
+    };
+
+    void intersect();
+    void add_emission();
+    V3f escaped(const Path& path, const Ray& ray) const noexcept;
+    V3f emitted_by(std::uint32_t light, const Path& path, const Ray& ray,
+                   const Hit& hit) const noexcept;
+    float hit_weight(const Path& path, float light_pdf) const noexcept;
+    void sort_along_curve();
+    void make_vertices();
+    std::uint32_t set_of(std::size_t vertex) const noexcept;
+    void add_direct_light();
+    LightSample sample_light(std::size_t vertex, const PathRandom& random) const noexcept;
+    LightSample sample_environment(std::size_t vertex, const PathRandom& random) const noexcept;
+    void scatter();
+
+    bool needs_selection() const noexcept;
+    bool has_lights() const noexcept;
+    /// Probability that a next-event sample goes to the lights, and to the environment.
+    float lights_share() const noexcept;
+    float environment_share() const noexcept;
+    const Path& path_of(std::size_t vertex) const noexcept { return paths_[order_[vertex]]; }
+    PathRandom random_of(std::uint32_t pixel) const noexcept { return {pass_->key, pixel, depth_}; }
+
+    const Pass* pass_ = nullptr;
+    std::uint32_t depth_ = 0;  ///< edges of the paths so far, the rays under way included
+    std::uint64_t rays_traced_ = 0;
+
+    // Paths, by ray.
+    std::vector<Path> paths_, next_paths_;
+    std::vector<Ray> rays_, next_rays_;
+    std::vector<Hit> hits_;
+    // Vertices, where a path goes on: order_ leads to the path.
+    std::vector<std::uint32_t> order_;
+    std::vector<Surface> surfaces_;
+    std::vector<ShadingPoint> points_;
+    std::vector<float> selection_u_;
+    std::vector<Selection> selections_;
+    // Shadow rays.
+    std::vector<Ray> shadow_rays_;
+    std::vector<Contribution> contributions_;
+    std::vector<std::uint8_t> occluded_;
+    // Sorting.
+    std::vector<V3f> positions_;
+    std::vector<std::uint64_t> sort_keys_;
+};
+
+}  // namespace lightcull

@@ -1,0 +1,30 @@
+// One triangle that shines at the camera, rendered and shown: every library is linked and runs.
+
+#include <lightcull/image/image.h>
+#include <lightcull/render/renderer.h>
+
+#include <array>
+#include <iostream>
+#include <memory>
+
+int main() {
+    const std::array<lightcull::float3, 3> positions{{{-9, -9, 0}, {9, -9, 0}, {0, 9, 0}}};
+    const std::array<std::uint32_t, 3> indices{0, 1, 2};
+    const auto scene = std::make_shared<lightcull::Scene>();
+    lightcull::Mesh mesh;
+    mesh.material = scene->add_material({});
+    mesh.positions = positions;
+    mesh.indices = indices;
+    mesh.emission.radiance = {1, 1, 1};
+    scene->add_mesh(mesh);
+    scene->set_camera({});
+    scene->commit();
+
+    lightcull::RenderSettings settings;
+    settings.width = settings.height = 4;
+    auto sampler = lightcull::make_scene_sampler("culled", *scene, settings);
+    lightcull::Renderer renderer(scene, settings, std::move(sampler));
+    renderer.render_pass();
+    const lightcull::Image image{4, 4, renderer.image()};
+    std::cout << "white: " << lightcull::apply_view(image, "srgb").pixels[5].y << '\n';
+}

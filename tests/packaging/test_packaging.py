@@ -1,0 +1,109 @@
+"""lightcull as others get it: by find_package from an install tree and from the build tree."""
+
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+BUILD = ROOT / "build"
+WORK = BUILD / "packaging"
+HEADERS = sorted(path.relative_to(ROOT / "core/include") for path in (ROOT / "core/include").rglob("*.h"))
+LIGHTS_HEADERS = [path for path in HEADERS if len(path.parts) == 2]
+
+
+def attempt(*command, cwd=None):
+    return subprocess.run(
+        [str(part) for part in command], cwd=cwd, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT
+    )
+
+
+def run(*command, cwd=None):
+    result = attempt(*command, cwd=cwd)
+    assert result.returncode == 0, result.stdout
+    return result.stdout
+
+
+def compiler():
+    return re.search(r"^CMAKE_CXX_COMPILER:\w+=(.*)$", (BUILD / "CMakeCache.txt").read_text(), re.M)[1]
+
+
+def configure(source, build, package, *options):
+    """Configures a project that finds lightcull in the folder `package`."""
+    shutil.rmtree(build, ignore_errors=True)
+    command = ["cmake", "-S", source, "-B", build, "-G", "Ninja", f"-DCMAKE_CXX_COMPILER={compiler()}"]
+    return attempt(*command, f"-Dlightcull_DIR={package}", "-DCMAKE_BUILD_TYPE=Release", *options)
+
+
+@pytest.fixture(scope="session")
+def prefix():
+    """An install tree that has been moved since it was installed, to a path with a space."""
+    shutil.rmtree(WORK, ignore_errors=True)
+    run("cmake", "--install", BUILD, "--prefix", WORK / "installed")
+    moved = WORK / "moved prefix"
+    (WORK / "installed").rename(moved)
+    return moved
+
+
+@pytest.fixture(params=["install tree", "build tree"])
+def package(request):
+    """The folder of lightcullConfig.cmake."""
+    if request.param == "build tree":
+        return BUILD
+    return next(request.getfixturevalue("prefix").rglob("lightcullConfig.cmake")).parent
+
+
+def test_all_public_headers_and_no_others_are_installed(prefix):
+    include = prefix / "include"
+    assert sorted(path.relative_to(include) for path in include.rglob("*") if path.is_file()) == HEADERS
+
+
+def test_the_install_tree_knows_nothing_of_the_source_tree(prefix):
+    for path in prefix.rglob("*.cmake"):
+        assert str(ROOT) not in path.read_text(), path
+
+
+@pytest.mark.parametrize("header", HEADERS, ids=str)
+def test_a_header_compiles_alone(prefix, header):
+    warnings = ["-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror"]
+    source = WORK / "alone.cpp"
+    source.write_text(f"#include <{header}>\n#include <{header}>\n")
+    run(compiler(), "-std=c++17", "-fsyntax-only", *warnings, "-I", prefix / "include", source)
+
+
+@pytest.mark.parametrize("header", LIGHTS_HEADERS, ids=str)
+def test_a_header_of_lights_includes_the_standard_library_and_its_like_only(prefix, header):
+    text = (prefix / "include" / header).read_text()
+    for name in re.findall(r"^\s*#\s*include\s*(.*)$", text, re.M):
+        assert re.fullmatch(r"<[a-z_0-9]+>", name) or name[1:-1] in map(str, LIGHTS_HEADERS)
+
+
+def test_a_host_builds_with_lights_alone_and_gains_by_it(package, prefix):
+    build = WORK / "host"
+    result = configure(ROOT / "examples/minimal_host", build, package)
+    assert result.returncode == 0, result.stdout
+    # A host that wants lights alone needs nothing of what the path tracer needs.
+    assert not re.search(r"embree|OpenImageIO|OpenColorIO", (build / "build.ninja").read_text())
+    run("cmake", "--build", build)
+    line = run(build / "minimal_host", cwd=build)
+    error = {name: float(value) for name, value in re.findall(r"(\w+) (\d+\.\d+)", line)}
+    assert error["culled"] < error["uniform"] / 10
+    assert error["culled"] < 2 * error["exhaustive"]
+    assert (build / "minimal_host.pgm").stat().st_size > 128 * 96
+
+
+@pytest.mark.parametrize("components", ["", "lights;render;image"])
+def test_every_component_links_and_runs(package, prefix, components):
+    build = WORK / "consumer"
+    result = configure(ROOT / "tests/packaging/consumer", build, package, f"-DCOMPONENTS={components}")
+    assert result.returncode == 0, result.stdout
+    run("cmake", "--build", build)
+    assert run(build / "consumer") == "white: 1\n"
+
+
+def test_a_component_that_is_not_there_is_named(package, prefix):
+    result = configure(ROOT / "tests/packaging/consumer", WORK / "consumer", package, "-DCOMPONENTS=lights;gpus")
+    assert result.returncode != 0
+    assert "no component 'gpus' here; there are: base, lights, image, render" in " ".join(result.stdout.split())

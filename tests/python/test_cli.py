@@ -1,0 +1,187 @@
+"""The command line."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from subprocess import CompletedProcess
+
+import numpy as np
+import pytest
+
+import lightcull
+from conftest import Outcome
+from gltf_file import GltfFile
+from lightcull.scenes import NAMES
+
+Run = Callable[..., CompletedProcess[str] | Outcome]
+TINY = ("--size", "32x24", "--spp", "2")
+
+INTERRUPTED_IN_TURN = """
+import os, signal, sys
+from lightcull.cli import bars, main
+shown = bars.Bars.__call__
+def show(self, progress):
+    shown(self, progress)
+    if progress.stage == "{stage}":
+        os.kill(os.getpid(), signal.SIGINT)
+bars.Bars.__call__ = show
+sys.exit(main())
+"""
+
+
+def only_line(text: str) -> str:
+    lines = text.splitlines()
+    assert len(lines) == 1, text
+    return lines[0]
+
+
+def test_help_teaches(main_here: Run) -> None:
+    overview = main_here("--help")
+    assert overview.returncode == 0
+    for word in (*NAMES, *lightcull.SAMPLERS, "render", "compare", "info", "examples:", "130"):
+        assert word in overview.stdout
+    for name in ("render", "compare", "info"):
+        text = main_here(name, "--help").stdout
+        assert f"lightcull {name} " in text.split("examples:")[1]
+    shared = ("--size WxH", "--max-depth N", "--seconds S", "--spp N", "--threads N", "--seed N")
+    for name in ("render", "compare"):
+        text = main_here(name, "--help").stdout
+        assert all(option in text for option in (*shared, "-o PATH"))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ((), "required: COMMAND"),
+        (("paint",), "invalid choice: 'paint'"),
+        (("render",), "required: SCENE"),
+        (("render", "cornell", "--size", "32"), "wanted WIDTHxHEIGHT such as 640x360, got '32'"),
+        (("render", "cornell", "--seconds", "0"), "wanted a number above 0, got '0'"),
+        (("render", "cornell", "--spp", "many"), "wanted a whole number from 1 up, got 'many'"),
+        (("render", "cornell", "--spp", "1", "--seconds", "1"), "not allowed with argument"),
+        (("render", "cornell", "--sampler", "cold"), "argument --sampler: "),
+        (("compare", "cornell", "--samplers", "culled,cold"), "argument --samplers: "),
+        (("compare", "cornell", "--samplers", "culled:sets=3"), "argument --samplers: "),
+        (("info", "cornell", "--loud"), "unrecognized arguments: --loud"),
+    ],
+)
+def test_wrong_usage_is_two(main_here: Run, arguments: tuple[str, ...], message: str) -> None:
+    result = main_here(*arguments)
+    assert result.returncode == 2
+    line = only_line(result.stderr)
+    assert message in line
+    assert line.startswith("lightcull")
+    assert line.endswith("--help)")
+    assert not result.stdout
+
+
+def test_errors_are_one_line_and_one(main_here: Run, tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    (tmp_path / "folder.exr").mkdir()
+    (tmp_path / "broken.glb").write_text("no")
+    for arguments, message in [
+        (("info", "lantern"), "did you mean 'lanterns'?; there are lanterns, city"),
+        (("info", "zzz"), "'zzz' is neither a file nor an example scene; there are"),
+        (("info", "zzz.glb"), "zzz.glb: no such file"),
+        (("info", "broken.glb"), "broken.glb: is not a binary glTF file"),
+        (("render", "cornell", "-o", "a.jpg"), "a.jpg: the name must end in .exr or .png"),
+        (("render", "cornell", "-o", "file/a.exr"), "file: cannot write there"),
+        (("render", "cornell", "-o", "folder.exr"), "folder.exr: is a folder"),
+        (("render", "cornell", "-o", "a.png", "--view", "sepia"), "no view 'sepia'; there are"),
+        (("render", "cornell", "-o", "a.exr", "--view", "srgb"), "an .exr stays linear"),
+        (("compare", "cornell", "-o", "file"), "file: cannot write there"),
+    ]:
+        result = main_here(*arguments)
+        assert result.returncode == 1, arguments
+        line = only_line(result.stderr)
+        assert line.startswith("lightcull: error: ")
+        assert message in line
+        assert not result.stdout
+
+
+def test_render_writes_an_image_and_what_made_it(command: Run, tmp_path: Path) -> None:
+    arguments = ("render", "cornell", "--sampler", "power", "--seed", "7", *TINY)
+    result = command(*arguments, "-o", "new/folder/a.exr")
+    assert result.returncode == 0, result.stderr
+    line = only_line(result.stdout)
+    assert line.startswith("new/folder/a.exr: 32x24, 2 samples per pixel in ")
+    image = lightcull.read_image(tmp_path / "new/folder/a.exr")
+    expected = lightcull.render(
+        lightcull.example_scene("cornell"), "power", spp=2, size=(32, 24), seed=7
+    ).image
+    assert np.array_equal(image, expected)
+    header = (tmp_path / "new/folder/a.exr").read_bytes()[:4096]
+    for text in (b"scene", b"cornell", b"sampler", b"power", b"seed", b"samples", b"seconds"):
+        assert text in header
+
+
+def test_render_of_a_picture(main_here: Run, tmp_path: Path) -> None:
+    for name, exposure in (("a.png", "0"), ("b.png", "2")):
+        result = main_here("render", "cornell", *TINY, "-o", name, "--exposure", exposure)
+        assert result.returncode == 0, result.stderr
+    dark, bright = (lightcull.read_image(tmp_path / name) for name in ("a.png", "b.png"))
+    assert bright.mean() > dark.mean()
+
+
+def test_compare_writes_the_report(command: Run, tmp_path: Path) -> None:
+    result = command(
+        "compare", "cornell", "--samplers", "uniform,culled:sets=16", *TINY, "-o", "r",
+        "--threads", "1", "--max-depth", "3", "--reference-seconds", "0.5",
+    )  # fmt: skip
+    assert result.returncode == 0, result.stderr
+    report = json.loads((tmp_path / "r" / "report.json").read_text())
+    assert list(report["samplers"]) == ["uniform", "culled:sets=16"]
+    assert (report["threads"], report["max_depth"]) == (1, 3)
+    assert report["command"].startswith("lightcull compare cornell --samplers uniform,culled:")
+    assert "culled:sets=16" in result.stdout
+    assert result.stdout.splitlines()[-1] == "r/index.html"
+
+
+def test_info(main_here: Run, tmp_path: Path) -> None:
+    result = main_here("info", "cornell")
+    assert result.returncode == 0
+    assert not result.stderr
+    for text in ("36 in 6 meshes", "2: 2 triangles, 0 points, 0 spots", "39 degrees high"):
+        assert text in result.stdout
+
+    file = GltfFile()
+    file.node(mesh=file.quad())
+    file.node(extensions=file.light(type="directional"))
+    file.write(tmp_path / "sun.glb")
+    result = main_here("info", "sun.glb")
+    assert result.returncode == 0
+    line = only_line(result.stderr)
+    assert line.startswith("lightcull: warning: sun.glb: not supported and left out: directional")
+
+
+def test_ctrl_c_saves_the_image(command: Run, tmp_path: Path) -> None:
+    program = ("-c", INTERRUPTED_IN_TURN.format(stage="culled"))
+    result = command(
+        "render", "cornell", "--size", "32x24", "--seconds", "10000", "-o", "a.exr",
+        program=program,
+    )  # fmt: skip
+    assert result.returncode == 130, result.stderr
+    assert only_line(result.stdout).endswith(", interrupted")
+    assert lightcull.read_image(tmp_path / "a.exr").any()
+
+
+def test_ctrl_c_saves_the_report(command: Run, tmp_path: Path) -> None:
+    program = ("-c", INTERRUPTED_IN_TURN.format(stage="culled"))
+    result = command(
+        "compare", "cornell", "--samplers", "uniform,culled", "--size", "32x24",
+        "--seconds", "10000", "--reference-seconds", "0.2", "-o", "r", program=program,
+    )  # fmt: skip
+    assert result.returncode == 130, result.stderr
+    assert result.stdout.splitlines()[-1] == "r/index.html: interrupted"
+    report = json.loads((tmp_path / "r" / "report.json").read_text())
+    assert all(run["spp"] >= 1 for run in report["samplers"].values())
+
+
+def test_ctrl_c_before_there_is_anything(command: Run, tmp_path: Path) -> None:
+    program = ("-c", INTERRUPTED_IN_TURN.format(stage="reference"))
+    result = command("compare", "cornell", *TINY, "-o", "r", program=program)
+    assert result.returncode == 130
+    assert "interrupted before there was anything to save" in result.stderr
+    assert not (tmp_path / "r" / "report.json").exists()

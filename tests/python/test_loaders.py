@@ -1,0 +1,392 @@
+"""Scenes from files."""
+
+from __future__ import annotations
+
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+from PIL import Image
+
+import lightcull
+from gltf_file import GltfFile
+from lightcull.loaders.meshes import normals_of
+
+
+def load_quietly(path: Path) -> lightcull.Scene:
+    """Loads a file that is supported in full."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        return lightcull.load(path)
+
+
+def warning_of(path: Path) -> str:
+    """What the one warning says."""
+    with pytest.warns(lightcull.UnsupportedWarning) as caught:
+        lightcull.load(path)
+    assert len(caught) == 1
+    return str(caught[0].message)
+
+
+def look(scene: lightcull.Scene, max_depth: int = 1, spp: int = 4) -> np.ndarray:
+    return lightcull.render(scene, spp=spp, size=(16, 16), max_depth=max_depth).image
+
+
+def emitting(**material: object) -> GltfFile:
+    """A square that emits, seen from the front so that it fills the middle of the image."""
+    file = GltfFile()
+    file.node(mesh=file.quad(file.add("materials", material)))
+    file.camera(translation=[0, 0, 2])
+    return file
+
+
+@pytest.mark.parametrize("ending", [".glb", ".gltf"])
+def test_gltf_emission(tmp_path: Path, ending: str) -> None:
+    file = emitting(
+        emissiveFactor=[1.0, 0.5, 0.25],
+        extensions={"KHR_materials_emissive_strength": {"emissiveStrength": 8.0}},
+        pbrMetallicRoughness={"baseColorFactor": [0.0, 0.0, 0.0, 1.0]},
+    )
+    file.document["extensionsUsed"] = ["KHR_materials_emissive_strength"]
+    scene = load_quietly(file.write(tmp_path / f"a{ending}"))
+    assert scene.name == "a"
+    lights = scene.lights()
+    assert len(lights) == 2
+    np.testing.assert_allclose(lights["axis"], [[0, 0, 1]] * 2, atol=1e-6)
+    assert not lights["two_sided"].any()
+    np.testing.assert_allclose(look(scene)[8, 8], [8, 4, 2], rtol=1e-5)
+    assert scene.camera.vertical_fov == pytest.approx(1)
+    np.testing.assert_allclose(scene.camera.origin, [0, 0, 2])
+
+
+def test_gltf_emissive_texture_and_its_orientation(tmp_path: Path) -> None:
+    pixels = np.zeros((4, 4, 3), np.uint8)
+    pixels[:2, 2:] = (255, 188, 0)  # the right upper quarter; 188 is half as bright as 255
+    file = GltfFile()
+    texture = file.texture(pixels)
+    file.node(
+        mesh=file.quad(
+            file.add("materials", {"emissiveFactor": [1, 1, 1], "emissiveTexture": texture})
+        )
+    )
+    file.camera(translation=[0, 0, 2])
+    image = look(load_quietly(file.write(tmp_path / "a.glb")))
+    np.testing.assert_allclose(image[5, 10], [1, 0.5, 0], atol=0.01)
+    for row, column in ((5, 5), (10, 5), (10, 10)):
+        assert not image[row, column].any()
+
+
+def test_gltf_double_sided_emission(tmp_path: Path) -> None:
+    file = emitting(emissiveFactor=[1, 1, 1], doubleSided=True)
+    assert load_quietly(file.write(tmp_path / "a.glb")).lights()["two_sided"].all()
+
+
+def test_gltf_punctual_lights(tmp_path: Path) -> None:
+    file = GltfFile()
+    file.node(mesh=file.quad())
+    file.camera(translation=[0, 0, 2])
+    quarter_turn = [-np.sqrt(0.5), 0, 0, np.sqrt(0.5)]  # about x: -Z becomes -Y
+    lamp = file.add(
+        "nodes",
+        {
+            "extensions": file.light(
+                type="spot", color=[1, 0.5, 0], intensity=4, spot={"outerConeAngle": 0.5}
+            ),
+            "rotation": quarter_turn,
+        },
+    )
+    file.node(children=[lamp], translation=[0, 3, 1])
+    file.node(extensions=file.light(type="point", intensity=2), translation=[1, 2, 3])
+    file.node(extensions=file.light(type="directional"))
+    path = file.write(tmp_path / "a.glb")
+    assert "not supported and left out: directional lights (1)" in warning_of(path)
+    with pytest.warns(lightcull.UnsupportedWarning):
+        scene = lightcull.load(path)
+    spot, point = scene.lights()
+    assert scene.counts["spots"] == scene.counts["points"] == 1
+    np.testing.assert_allclose(spot["center"], [0, 3, 1], atol=1e-6)
+    np.testing.assert_allclose(spot["axis"], [0, -1, 0], atol=1e-6)
+    np.testing.assert_allclose(spot["cos_theta_e"], np.cos(0.5), rtol=1e-5)
+    np.testing.assert_allclose(point["center"], [1, 2, 3])
+    assert point["intensity"] == pytest.approx(2)
+
+
+def test_gltf_nodes_place_and_mirror(tmp_path: Path) -> None:
+    file = GltfFile()
+    quad = file.quad(file.add("materials", {"emissiveFactor": [1, 1, 1]}))
+    file.node(mesh=quad, translation=[5, 0, 0], scale=[2, 1, 1])
+    file.node(mesh=quad, scale=[-1, 1, 1])
+    file.camera(translation=[0, 0, 2])
+    lights = load_quietly(file.write(tmp_path / "a.glb")).lights()
+    np.testing.assert_allclose(lights["intensity"], [4, 4, 2, 2], rtol=1e-5)
+    np.testing.assert_allclose(lights["axis"], [[0, 0, 1]] * 4, atol=1e-6)
+    np.testing.assert_allclose(lights["center"][:2, 0], 5, atol=0.8)
+
+
+def test_gltf_normals_are_used_and_turned(tmp_path: Path) -> None:
+    """A surface whose normals lean towards the light is brighter than one that leans away."""
+
+    def brightness(lean: float, **node: object) -> float:
+        file = GltfFile()
+        material = file.add("materials", {"pbrMetallicRoughness": {"metallicFactor": 0.0}})
+        normals = np.float32([[np.sin(lean), 0, np.cos(lean)]] * 4)
+        quad = file.quad(material, attributes={"NORMAL": file.accessor(normals)})
+        file.node(mesh=quad, **node)
+        file.node(extensions=file.light(type="point", intensity=9), translation=[-3, 0, 3])
+        file.camera(translation=[0, 0, 2])
+        scene = load_quietly(file.write(tmp_path / "a.glb"))
+        return float(look(scene, max_depth=2)[8, 8].mean())
+
+    towards, away = brightness(-0.6), brightness(0.6)
+    assert towards > 2 * away
+    half_a_turn = {"rotation": [0, 0, 1, 0]}
+    assert brightness(0.6, **half_a_turn) == pytest.approx(towards, rel=0.01)
+    mirrored = {"scale": [-1, 1, 1]}
+    assert brightness(0.6, **mirrored) == pytest.approx(towards, rel=0.01)
+
+
+def test_normals_stay_normal_where_a_node_stretches() -> None:
+    square = trimesh.Trimesh(
+        vertices=[[0, 0, 0], [1, -1, 0], [1, -1, 1], [0, 0, 1]],
+        faces=[[0, 1, 2], [0, 2, 3]],
+        vertex_normals=[[1, 1, 0]] * 4,
+        process=False,
+    )
+    for stretch in ([2.0, 1, 1], [-2.0, 1, 1], [1, 3, -2.0]):
+        normals = normals_of(square, np.diag([*stretch, 1]))
+        assert normals is not None
+        expected = np.array([1 / stretch[0], 1 / stretch[1], 0])
+        expected /= np.linalg.norm(expected)
+        np.testing.assert_allclose(normals, [expected] * 4, atol=1e-6)
+
+
+def test_lights_are_in_the_order_of_nodes_and_primitives(tmp_path: Path) -> None:
+    """trimesh gives nodes in another order, and random names to primitives."""
+    file = GltfFile()
+    meshes = []
+    for first in (1, 3):
+        quads = [file.quad(file.add("materials", {"emissiveFactor": [n, n, n]}))
+                 for n in (first / 8, (first + 1) / 8)]  # fmt: skip
+        primitives = [file.document["meshes"][quad]["primitives"][0] for quad in quads]
+        meshes.append(file.add("meshes", {"primitives": primitives}))
+    child = file.add("nodes", {"mesh": meshes[0]})
+    file.node(children=[child], mesh=meshes[1])
+    file.camera(translation=[0, 0, 2])
+    path = file.write(tmp_path / "a.glb")
+    for _ in range(3):
+        intensity = load_quietly(path).lights()["intensity"][::2]
+        np.testing.assert_allclose(intensity, np.array([1, 2, 3, 4]) / 4, rtol=1e-5)
+
+
+def test_gltf_base_colour_and_metallic_roughness_textures(tmp_path: Path) -> None:
+    file = GltfFile()
+    left_red = np.zeros((1, 2, 3), np.uint8)
+    left_red[0] = [[255, 0, 0], [0, 255, 0]]
+    rough = np.full((1, 1, 3), 255, np.uint8)
+    rough[..., 2] = 0
+    material = file.add(
+        "materials",
+        {
+            "pbrMetallicRoughness": {
+                "baseColorTexture": file.texture(left_red),
+                "metallicRoughnessTexture": file.texture(rough),
+            }
+        },
+    )
+    file.node(mesh=file.quad(material))
+    file.node(extensions=file.light(type="point", intensity=9), translation=[0, 0, 3])
+    file.camera(translation=[0, 0, 2])
+    scene = load_quietly(file.write(tmp_path / "a.glb"))
+    assert scene.counts["textures"] == 2
+    image = look(scene, max_depth=2)
+    assert image[8, 4, 0] > 5 * image[8, 4, 1]
+    assert image[8, 11, 1] > 5 * image[8, 11, 0]
+
+
+def test_gltf_names_everything_that_is_not_supported(tmp_path: Path) -> None:
+    file = GltfFile()
+    colors = file.accessor(np.ones((4, 4), np.float32))
+    bytes_uv = file.accessor(np.zeros((4, 2), np.uint8))
+    glass = file.add(
+        "materials",
+        {
+            "extensions": {"KHR_materials_transmission": {"transmissionFactor": 1}},
+            "normalTexture": {"index": 0},
+            "alphaMode": "BLEND",
+        },
+    )
+    quad = file.quad(glass, attributes={"COLOR_0": colors, "TEXCOORD_0": bytes_uv})
+    lines = file.quad(mode=1)
+    file.texture(np.zeros((1, 1, 3), np.uint8))
+    file.add("samplers", {"wrapS": 33071})
+    file.add("animations", {"channels": [], "samplers": []})
+    file.add("cameras", {"type": "orthographic", "orthographic": {}})
+    file.node(mesh=quad)
+    file.node(mesh=lines, children=[file.add("nodes", {"mesh": quad})])
+    file.node(camera=0)
+    file.camera()
+    file.camera()
+    file.node(extensions=file.light(type="point", range=5))
+    message = warning_of(file.write(tmp_path / "a.glb"))
+    for thing in (
+        "KHR_materials_transmission (1)", "normal maps (1)", "transparency (1)",
+        "vertex colours (1)", "texture coordinates that are not float (1)",
+        "primitives that are not triangles (1)", "textures that are not repeated (1)",
+        "animations (1)", "orthographic cameras (1)", "cameras after the first (1)",
+        "ranges of lights (1)",
+    ):  # fmt: skip
+        assert thing in message
+    assert "\n" not in message
+    assert "no camera" not in message
+    with pytest.warns(lightcull.UnsupportedWarning):
+        assert lightcull.load(tmp_path / "a.glb").triangle_count == 4
+
+
+def test_gltf_required_extensions_are_required(tmp_path: Path) -> None:
+    file = emitting(emissiveFactor=[1, 1, 1])
+    file.document["extensionsRequired"] = ["KHR_texture_transform", "KHR_lights_punctual"]
+    with pytest.raises(lightcull.Error, match="needs KHR_texture_transform, which is not support"):
+        lightcull.load(file.write(tmp_path / "a.glb"))
+
+
+def test_gltf_image_that_cannot_be_read(tmp_path: Path) -> None:
+    file = GltfFile()
+    image = file.add("images", {"uri": "nowhere.png"})
+    texture = {"index": file.add("textures", {"source": image})}
+    file.node(mesh=file.quad(file.add("materials", {"emissiveTexture": texture})))
+    message = warning_of(file.write(tmp_path / "a.gltf"))
+    assert "missing file 'nowhere.png' (1)" in message
+    assert "images that cannot be read (1)" in message
+
+
+@pytest.mark.parametrize(
+    ("name", "data", "message"),
+    [
+        ("a.glb", b"", "a.glb: is not a binary glTF file: too short"),
+        ("a.glb", b"x" * 100, "a.glb: is not a binary glTF 2.0 file"),
+        ("a.gltf", b"{", "a.gltf: its JSON is broken"),
+        ("a.gltf", b"[]", "a.gltf: its JSON is not an object"),
+        ("a.gltf", b'{"meshes": [{}]}', "a.gltf: its JSON makes no sense: KeyError: 'primitives'"),
+        ("a.gltf", b'{"asset": {"version": "2.0"}}', "a.gltf: holds no triangles"),
+        ("a.obj", b"hello\n", "a.obj: (holds no triangles|cannot be read)"),
+        ("a.ply", b"hello\n", "a.ply: cannot be read"),
+        ("a.fbx", b"", "a.fbx: wanted a name that ends in .glb, .gltf, .obj, .ply"),
+    ],
+)
+def test_broken_files(tmp_path: Path, name: str, data: bytes, message: str) -> None:
+    (tmp_path / name).write_bytes(data)
+    with (
+        warnings.catch_warnings(),
+        pytest.raises(lightcull.Error, match=message) as error,
+    ):
+        warnings.simplefilter("ignore")
+        lightcull.load(tmp_path / name)
+    assert "\n" not in str(error.value)
+
+
+def test_missing_file(tmp_path: Path) -> None:
+    with pytest.raises(lightcull.Error, match=r"nowhere.glb: no such file"):
+        lightcull.load(tmp_path / "nowhere.glb")
+
+
+OBJ = """\
+mtllib a.mtl
+v -1 0 -1
+v -1 0 1
+v 1 0 1
+v 1 0 -1
+vt 0 1
+vt 0 0
+vt 1 0
+vt 1 1
+usemtl {material}
+f 1/1 2/2 3/3 4/4
+"""
+
+
+def write_obj(folder: Path, mtl: str, extra: str = "") -> Path:
+    (folder / "a.mtl").write_text(mtl)
+    (folder / "a.obj").write_text(OBJ.format(material="m") + extra)
+    return folder / "a.obj"
+
+
+def test_obj_diffuse_colour_in_white_surroundings(tmp_path: Path) -> None:
+    path = write_obj(tmp_path, "newmtl m\nKd 0.8 0.4 0.2\n")
+    message = warning_of(path)
+    assert "left out" not in message
+    assert "no camera: one is placed" in message
+    assert "no light: the surroundings are made white" in message
+    with pytest.warns(lightcull.UnsupportedWarning):
+        scene = lightcull.load(path)
+    # A white environment shows a diffuse surface in its own colour.
+    image = look(scene, max_depth=2, spp=256)
+    np.testing.assert_allclose(image[8, 8], [0.8, 0.4, 0.2], rtol=0.05)
+    np.testing.assert_allclose(image[0, 0], [1, 1, 1])
+
+
+def test_obj_textures_and_emission(tmp_path: Path) -> None:
+    texels = np.zeros((8, 8, 3), np.uint8)
+    texels[:4] = 255  # the upper half, v from 0.5 to 1, is at z < 0
+    Image.fromarray(texels).save(tmp_path / "glow map.png")
+    path = write_obj(tmp_path, "newmtl m\nKd 0 0 0\nKe 2 4 6\nmap_Ke glow map.png\n")
+    assert "left out" not in warning_of(path)
+    with pytest.warns(lightcull.UnsupportedWarning):
+        scene = lightcull.load(path)
+    assert len(scene.lights()) == 2
+    image = look(scene)
+    brightest = np.unravel_index(image[..., 2].argmax(), (16, 16))
+    np.testing.assert_allclose(image[brightest], [2, 4, 6], rtol=1e-4)
+    assert image[12, 8].max() < 0.1
+
+
+def test_obj_names_what_is_not_supported(tmp_path: Path) -> None:
+    path = write_obj(
+        tmp_path,
+        "newmtl m\nKd 1 1 1\nKs 0.5 0.5 0.5\nd 0.5\nmap_Bump bumps.png\nmap_Kd gone.png\n",
+        extra="l 1 2\nl 2 3\nmtllib b.mtl\n",
+    )
+    message = warning_of(path)
+    for thing in (
+        "ks of materials (1)", "transparency of materials (1)", "map_bump of materials (1)",
+        "missing file 'gone.png' (1)", "OBJ statement 'l' (2)", "mtllib after the first (1)",
+    ):  # fmt: skip
+        assert thing in message
+
+
+def test_obj_without_its_materials(tmp_path: Path) -> None:
+    path = write_obj(tmp_path, "")
+    (tmp_path / "a.mtl").unlink()
+    assert "missing file 'a.mtl' (1)" in warning_of(path)
+
+
+PLY = """\
+ply
+format ascii 1.0
+element vertex 3
+property float x
+property float y
+property float z
+{colors}element face 1
+property list uchar int vertex_indices
+end_header
+0 0 0{color}
+1 0 0{color}
+0 1 0{color}
+3 0 1 2
+"""
+
+
+def test_ply(tmp_path: Path) -> None:
+    path = tmp_path / "a.ply"
+    path.write_text(PLY.format(colors="", color=""))
+    assert "left out" not in warning_of(path)
+    colors = "property uchar red\nproperty uchar green\nproperty uchar blue\n"
+    path.write_text(PLY.format(colors=colors, color=" 255 0 0"))
+    assert "colours of vertices or faces (1)" in warning_of(path)
+    with pytest.warns(lightcull.UnsupportedWarning):
+        scene = lightcull.load(path)
+    assert scene.triangle_count == 1
+    assert scene.has_environment
+    np.testing.assert_allclose(scene.bounds, [[0, 0, 0], [1, 1, 0]])

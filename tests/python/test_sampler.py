@@ -1,0 +1,189 @@
+"""lightcull.LightSampler."""
+
+from __future__ import annotations
+
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import lightcull
+
+rng = np.random.default_rng(7)
+UNBIASED = [name for name in lightcull.SAMPLERS if name != "clamped"]
+
+
+def floats(*shape: int) -> np.ndarray:
+    return rng.random(shape, dtype=np.float32)
+
+
+def some_lights(count: int) -> np.ndarray:
+    """Triangles in random attitudes, powers over four decades."""
+    corners = floats(count, 1, 3) * 10 + floats(count, 3, 3) * 0.2
+    radiance = 10 ** (floats(count) * 4)
+    return lightcull.triangle_lights(corners, radiance.astype(np.float32), two_sided=True)
+
+
+def some_points(count: int) -> tuple[np.ndarray, np.ndarray]:
+    normals = rng.normal(size=(count, 3))
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    return floats(count, 3) * 10, normals.astype(np.float32)
+
+
+LIGHTS = some_lights(300)
+POSITIONS, NORMALS = some_points(200)
+
+
+def test_lights_of_triangles_and_points() -> None:
+    corners = np.float32([[[0, 0, 0], [2, 0, 0], [0, 2, 0]]])
+    (triangle,) = lightcull.triangle_lights(corners, np.float32([3]))
+    assert triangle["intensity"] == pytest.approx(6)
+    assert not triangle["two_sided"]
+    np.testing.assert_allclose(triangle["axis"], [0, 0, 1], atol=1e-6)
+    (point,) = lightcull.point_lights(np.float32([[1, 2, 3]]), np.float32([4]))
+    assert point["radius"] == 0
+    assert point["intensity"] == 4
+    with pytest.raises(TypeError, match=r"radiance: wanted .*\(1,\), got NoneType"):
+        lightcull.triangle_lights(corners, None)
+
+
+@pytest.mark.parametrize("name", UNBIASED)
+def test_prob_is_that_of_the_selection(name: str) -> None:
+    sampler = lightcull.LightSampler(LIGHTS, name)
+    sets = rng.integers(0, sampler.set_count, len(POSITIONS), dtype=np.uint32)
+    chosen = sampler.select(POSITIONS, NORMALS, floats(len(POSITIONS)), sets)
+    assert chosen.dtype == lightcull.SELECTION
+    assert chosen.shape == (len(POSITIONS),)
+    hit = chosen["prob"] > 0
+    assert hit.mean() > 0.5
+    assert np.all(chosen["light"][hit] < len(LIGHTS))
+    assert np.all(chosen["prob"] <= 1)
+    if not sampler.prob_is_proxy:
+        prob = sampler.prob(POSITIONS, NORMALS, chosen, np.ascontiguousarray(chosen["light"]))
+        np.testing.assert_array_equal(prob[hit], chosen["prob"][hit])
+
+
+def test_uniform_and_power_are_what_they_say() -> None:
+    u = floats(len(POSITIONS))
+    chosen = lightcull.LightSampler(LIGHTS, "uniform").select(POSITIONS, NORMALS, u)
+    np.testing.assert_allclose(chosen["prob"], 1 / len(LIGHTS), rtol=1e-5)
+    chosen = lightcull.LightSampler(LIGHTS, "power").select(POSITIONS, NORMALS, u)
+    share = LIGHTS["intensity"] / LIGHTS["intensity"].sum(dtype=np.float64)
+    np.testing.assert_allclose(chosen["prob"], share[chosen["light"]], rtol=1e-3)
+
+
+def test_passes_draw_new_ranges_and_can_be_repeated() -> None:
+    sampler = lightcull.LightSampler(LIGHTS, "culled")
+    u = floats(len(POSITIONS))
+
+    def select(number: int) -> np.ndarray:
+        sampler.begin_pass(number)
+        return sampler.select(POSITIONS, NORMALS, u)
+
+    first, second, again = select(1), select(2), select(1)
+    assert np.array_equal(first, again)
+    assert not np.array_equal(first, second)
+
+
+def test_calibration_sets_how_many_are_accepted() -> None:
+    few = lightcull.LightSampler(LIGHTS, "culled:accepted=4", calibration=(POSITIONS, NORMALS))
+    many = lightcull.LightSampler(LIGHTS, "culled:accepted=64", calibration=(POSITIONS, NORMALS))
+    few_accepted, many_accepted = (
+        np.mean([accepted(sampler, number) for number in range(8)]) for sampler in (few, many)
+    )
+    # The factor of 3 leaves room: 8 passes share 300 ranges each.
+    assert 4 / 3 < few_accepted < 4 * 3
+    assert few_accepted * 4 < many_accepted < 64 * 1.5
+
+
+def accepted(sampler: lightcull.LightSampler, number: int) -> float:
+    sampler.begin_pass(number)
+    counts = sampler.count(POSITIONS, NORMALS)
+    assert counts.dtype == lightcull.COUNTS
+    return float(counts["accepted"].mean())
+
+
+def test_vertex_prob_is_one_where_the_light_decides() -> None:
+    sampler = lightcull.LightSampler(LIGHTS, "culled")
+    chosen = sampler.select(POSITIONS, NORMALS, floats(len(POSITIONS)))
+    vertices = np.ascontiguousarray(LIGHTS["center"][chosen["light"] % len(LIGHTS)])
+    factor = sampler.vertex_prob(POSITIONS, NORMALS, chosen, vertices)
+    np.testing.assert_array_equal(factor, np.where(chosen["prob"] > 0, 1, 0))
+
+
+def test_a_scene_brings_its_lights(room: lightcull.Scene) -> None:
+    sampler = lightcull.LightSampler(room, "culled")
+    assert sampler.light_count == 6
+    assert sampler.set_count >= 1
+
+
+def test_bad_input_is_named() -> None:
+    sampler = lightcull.LightSampler(LIGHTS, "culled:sets=16")
+    one, up, u = np.zeros((1, 3), np.float32), np.float32([[0, 1, 0]]), np.zeros(1, np.float32)
+    chosen = sampler.select(one, up, u)
+    wrong = [
+        (lambda: sampler.select(one, up * 2, u), r"normals\[0\]: length is neither 1 nor 0"),
+        (lambda: sampler.select(one * np.float32(np.nan), up, u), r"positions\[0\]: not finite"),
+        (lambda: sampler.select(one, up, u + 1), r"u\[0\]: not in \[0, 1\)"),
+        (lambda: sampler.select(one, up, u, np.uint32([16])), r"sets\[0\]: not below .* 16"),
+        (lambda: sampler.prob(one, up, chosen, np.uint32([300])), r"lights\[0\]: there are 300"),
+        (lambda: lightcull.LightSampler(LIGHTS, "cooled"), "cooled.*culled"),
+        (lambda: lightcull.LightSampler(LIGHTS, "culled:sets=17"), "sets"),
+    ]
+    for call, message in wrong:
+        with pytest.raises(lightcull.Error, match=message):
+            call()
+    chosen["key"] = 99
+    with pytest.raises(lightcull.Error, match="none of this sampler's"):
+        sampler.prob(one, up, chosen, np.uint32([0]))
+    with pytest.raises(TypeError, match=r"selections: .*structured.*, got float32"):
+        sampler.prob(one, up, u, np.uint32([0]))
+    with pytest.raises(TypeError, match=r"u: wanted .*\(1,\), got float32 \(2,\)"):
+        sampler.select(one, up, np.zeros(2, np.float32))
+    with pytest.raises(TypeError, match="lights: "):
+        lightcull.LightSampler(np.zeros(3), "culled")
+    with pytest.raises(lightcull.Error, match=r"light.*intensity|intensity.*light"):
+        bad = LIGHTS.copy()
+        bad["intensity"][7] = -1
+        lightcull.LightSampler(bad, "culled")
+
+
+def test_no_lights_are_no_error() -> None:
+    none = np.zeros(0, lightcull.LIGHT)
+    for name in lightcull.SAMPLERS:
+        chosen = lightcull.LightSampler(none, name).select(
+            POSITIONS, NORMALS, floats(len(POSITIONS))
+        )
+        assert not chosen["prob"].any()
+
+
+def test_points_in_a_volume_have_no_normal() -> None:
+    sampler = lightcull.LightSampler(LIGHTS, "exhaustive")
+    u = floats(len(POSITIONS))
+    with_none = sampler.select(POSITIONS, None, u)
+    with_zero = sampler.select(POSITIONS, np.zeros_like(NORMALS), u)
+    assert np.array_equal(with_none, with_zero)
+
+
+def test_threads_run_side_by_side_and_agree() -> None:
+    """The other thread can only count while the GIL is free."""
+    sampler = lightcull.LightSampler(some_lights(5_000), "exhaustive")
+    positions, normals = some_points(5_000)
+    u = floats(5_000)
+    started, results = threading.Event(), {}
+
+    def work(name: str) -> None:
+        started.set()
+        results[name] = sampler.select(positions, normals, u)
+
+    threads = [threading.Thread(target=work, args=(name,)) for name in "ab"]
+    for thread in threads:
+        thread.start()
+    started.wait()
+    turns = 0
+    while any(thread.is_alive() for thread in threads):
+        time.sleep(0.001)
+        turns += 1
+    assert turns > 10
+    assert np.array_equal(results["a"], results["b"])

@@ -1,0 +1,26 @@
+#!/usr/bin/env bash
+# Sets everything up and runs every test. The exit status is 0 if all of them pass.
+
+set -euo pipefail
+
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+"$root/core/tools/setup.sh" --tests
+
+failed=()
+run() {
+    local name=$1
+    shift
+    echo "== $name"
+    "$@" || failed+=("$name")
+}
+
+# One after the other: many of them keep all processors busy by themselves.
+run ctest ctest --test-dir "$root/build" --output-on-failure
+run pytest "$root/build/venv/bin/python" -m pytest -o cache_dir="$root/build/pytest-cache" \
+    "$root/tests/python" "$root/tests/packaging"
+
+if ((${#failed[@]})); then
+    echo "== failed: ${failed[*]}"
+    exit 1
+fi
+echo "== all tests passed"
