@@ -89,11 +89,12 @@ class Collapse {
 
 /// Nodes and links of the wide tree, breadth first; sources[slot] is the binary node to fill a slot
 /// with.
-void lay_out(const std::vector<BinaryLightNode>& binary, LightBvh& bvh,
+template <typename Node>
+void lay_out(const std::vector<BinaryLightNode>& binary, LightBvh<Node>& bvh,
              std::vector<std::uint32_t>& sources) {
     const Collapse collapse(binary);
     std::vector<std::uint32_t> roots{0}, children;  // roots: by wide node, its binary node
-    bvh.parents.push_back(LightBvh::kNoSlot);
+    bvh.parents.push_back(LightBvh<Node>::kNoSlot);
     for (std::uint32_t n = 0; n < roots.size(); ++n) {
         collapse.children(roots[n], children);
         sources.resize(kWidth * (std::size_t{n} + 1), LightBvhNode::kEmpty);
@@ -114,16 +115,17 @@ void lay_out(const std::vector<BinaryLightNode>& binary, LightBvh& bvh,
 
 }  // namespace
 
-LightBvh build_light_bvh(const LightTable& table) {
-    LightBvh bvh;
-    bvh.slots.resize(table.records.size(), LightBvh::kNoSlot);
+template <typename Node>
+LightBvh<Node> build_light_bvh(const LightTable& table) {
+    LightBvh<Node> bvh;
+    bvh.slots.resize(table.records.size(), LightBvh<Node>::kNoSlot);
     const std::vector<BinaryLightNode> binary = build_binary_light_tree(table);
     if (binary.empty()) return bvh;
 
     std::vector<std::uint32_t> sources;
     lay_out(binary, bvh, sources);
     tbb::parallel_for(std::size_t{0}, bvh.nodes.size(), [&](std::size_t n) {
-        LightBvhNode& node = bvh.nodes[n];
+        Node& node = bvh.nodes[n];
         node = {};
         for (std::size_t place = 0; place < kWidth; ++place) {
             const std::uint32_t source = sources[kWidth * n + place];
@@ -143,5 +145,8 @@ LightBvh build_light_bvh(const LightTable& table) {
     }
     return bvh;
 }
+
+template LightBvh<BoundsNode> build_light_bvh(const LightTable& table);
+template LightBvh<MeansNode> build_light_bvh(const LightTable& table);
 
 }  // namespace lightcull

@@ -10,10 +10,11 @@
 namespace lightcull {
 namespace {
 
+template <typename Node>
 class LightBvhSampler final : public LightSampler {
   public:
     explicit LightBvhSampler(const LightTable& table)
-        : frame_(table.frame), bvh_(build_light_bvh(table)) {}
+        : frame_(table.frame), bvh_(build_light_bvh<Node>(table)) {}
 
     void begin_pass(std::uint64_t) override {}
 
@@ -68,7 +69,7 @@ class LightBvhSampler final : public LightSampler {
         return {frame_.position(point.position), point.normal};
     }
 
-    static void add(const LightBvhNode& node, const LightBvhPoint& point,
+    static void add(const Node& node, const LightBvhPoint& point,
                     SelectionCounts& counts) noexcept {
         ++counts.nodes_visited;
         const LightBvhImportances all = importances(node, point);
@@ -86,13 +87,18 @@ class LightBvhSampler final : public LightSampler {
     }
 
     Frame frame_;
-    LightBvh bvh_;
+    LightBvh<Node> bvh_;
 };
 
 }  // namespace
 
-std::unique_ptr<LightSampler> make_light_bvh_sampler(Span<const Light> lights) {
-    return std::make_unique<LightBvhSampler>(make_light_table(lights));
+std::unique_ptr<LightSampler> make_light_bvh_sampler(Span<const Light> lights,
+                                                     const LightBvhOptions& options) {
+    const LightTable table = make_light_table(lights);
+    if (options.importance == ClusterImportance::kMeans) {
+        return std::make_unique<LightBvhSampler<MeansNode>>(table);
+    }
+    return std::make_unique<LightBvhSampler<BoundsNode>>(table);
 }
 
 }  // namespace lightcull

@@ -16,16 +16,16 @@ struct LightBvhPoint {
     float3 position;       ///< in the units of the table
     float3 normal;         ///< 0: light from all sides counts alike
     float from_all_sides;  ///< 4 if the normal is 0, else 0
+    float rounding;        ///< what the position may be off
     float horizon;         ///< what lies lower cannot reach the point
 
     LightBvhPoint() noexcept = default;
     LightBvhPoint(float3 x, float3 n) noexcept : position(x), normal(n) {
         const bool volume = n.x == 0.0f && n.y == 0.0f && n.z == 0.0f;
         from_all_sides = volume ? 4.0f : 0.0f;
-        // Against the rounding of positions.
-        constexpr float kMargin = 1e-6f;
-        const float margin = kMargin * (1.0f + std::abs(x.x) + std::abs(x.y) + std::abs(x.z));
-        horizon = volume ? -1e30f : -margin;
+        constexpr float kRounding = 1e-6f;
+        rounding = kRounding * (1.0f + std::abs(x.x) + std::abs(x.y) + std::abs(x.z));
+        horizon = volume ? -1e30f : -rounding;
     }
 };
 
@@ -34,21 +34,26 @@ struct LightBvhDescent {
     LightBvhPoint point;
     double place;             ///< [0, 1): where in the share of `child` the choice falls
     double prob = 1.0;        ///< of `child`; 0: none of its lights can reach the point
-    std::uint32_t child = 0;  ///< as LightBvhNode::child
+    std::uint32_t child = 0;  ///< as BoundsNode::child
 };
 
 /// Importances of a node's children, in the order of its slots.
 struct LightBvhImportances {
     alignas(32) float of[LightBvhNode::kWidth];
 };
-LightBvhImportances importances(const LightBvhNode& node, const LightBvhPoint& point) noexcept;
+LightBvhImportances importances(const BoundsNode& node, const LightBvhPoint& point) noexcept;
+LightBvhImportances importances(const MeansNode& node, const LightBvhPoint& point) noexcept;
 
 /// Takes each descent to a light, or to prob 0; at most kMaxDescents, and the tree is not empty.
 /// Many cost less together than one after the other: one computes while others wait for memory.
 inline constexpr std::size_t kMaxDescents = 16;
-void descend(const LightBvh& bvh, Span<LightBvhDescent> descents) noexcept;
+void descend(const LightBvh<BoundsNode>& bvh, Span<LightBvhDescent> descents) noexcept;
+void descend(const LightBvh<MeansNode>& bvh, Span<LightBvhDescent> descents) noexcept;
 
 /// The probability of a light: to the bit what a descent that takes it finds.
-double prob_of_light(const LightBvh& bvh, const LightBvhPoint& point, std::uint32_t light) noexcept;
+double prob_of_light(const LightBvh<BoundsNode>& bvh, const LightBvhPoint& point,
+                     std::uint32_t light) noexcept;
+double prob_of_light(const LightBvh<MeansNode>& bvh, const LightBvhPoint& point,
+                     std::uint32_t light) noexcept;
 
 }  // namespace lightcull

@@ -126,6 +126,14 @@ std::unique_ptr<LightSampler> make_clamped(Description& description, Span<const 
     return make_clamped_sampler(lights, options);
 }
 
+std::unique_ptr<LightSampler> make_light_bvh(Description& description, Span<const Light> lights) {
+    bool by_means = false;
+    description.take_choice("importance", "means", "bounds", by_means);
+    description.check_all_taken();
+    return make_light_bvh_sampler(
+        lights, {by_means ? ClusterImportance::kMeans : ClusterImportance::kBounds});
+}
+
 }  // namespace
 
 std::unique_ptr<LightSampler> make_sampler(std::string_view text, Span<const Light> lights,
@@ -134,13 +142,13 @@ std::unique_ptr<LightSampler> make_sampler(std::string_view text, Span<const Lig
     if (description.name == "culled") return make_culled(description, lights, context);
     if (description.name == "paper") return make_paper(description, lights, context);
     if (description.name == "clamped") return make_clamped(description, lights, context);
+    if (description.name == "light_bvh") return make_light_bvh(description, lights);
     struct Plain {
         std::string_view name;
         std::unique_ptr<LightSampler> (*make)(Span<const Light>);
     };
     constexpr Plain kPlain[] = {{"uniform", make_uniform_sampler},
                                 {"power", make_power_sampler},
-                                {"light_bvh", make_light_bvh_sampler},
                                 {"exhaustive", make_exhaustive_sampler}};
     for (const Plain& plain : kPlain) {
         if (plain.name != description.name) continue;

@@ -12,9 +12,9 @@ enum class Dimension : std::uint64_t {
     kPixel,        ///< place within the pixel
     kLens,         ///< place on the lens
     kSelectLight,  ///< u of LightSampler::select
-    kTechnique,    ///< environment or light
     kLightVertex,  ///< place on the light
     kEnvironment,  ///< cell of the environment
+    kInCell,       ///< direction within it
     kLobe,         ///< diffuse or specular
     kScatter,      ///< direction of the next ray
     kRoulette,

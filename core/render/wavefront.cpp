@@ -93,7 +93,7 @@ V3f Wavefront::escaped(const Path& path, const Ray& ray) const noexcept {
     if (!pass_->scene.environment) return V3f(0.0f);
     const EnvironmentMap& environment = *pass_->scene.environment;
     const bool mis = depth_ > 1 && pass_->settings.direct_light == DirectLight::kMis;
-    const float pdf = mis ? environment_share() * environment.pdf(ray.direction) : 0.0f;
+    const float pdf = mis ? environment.pdf(ray.direction) : 0.0f;
     return environment.radiance(ray.direction) * hit_weight(path, pdf);
 }
 
@@ -105,8 +105,7 @@ V3f Wavefront::emitted_by(std::uint32_t light, const Path& path, const Ray& ray,
     float pdf = 0.0f;
     if (depth_ > 1 && pass_->settings.direct_light == DirectLight::kMis) {
         const V3f to_hit = hit_position(pass_->scene, hit) - to_v3f(path.point.position);
-        pdf = lights_share() * pass_->sampler.prob(path.point, path.receipt, light) *
-              triangle_pdf(emitter, to_hit);
+        pdf = pass_->sampler.prob(path.point, path.receipt, light) * triangle_pdf(emitter, to_hit);
     }
     return radiance * hit_weight(path, pdf);
 }
@@ -165,15 +164,6 @@ bool Wavefront::has_lights() const noexcept {
     return !pass_->scene.lights.empty();
 }
 
-float Wavefront::lights_share() const noexcept {
-    if (!has_lights()) return 0.0f;
-    return pass_->scene.environment ? 0.5f : 1.0f;
-}
-
-float Wavefront::environment_share() const noexcept {
-    return pass_->scene.environment ? 1.0f - lights_share() : 0.0f;
-}
-
 void Wavefront::add_direct_light() {
     if (!has_lights() && !pass_->scene.environment) return;
     shadow_rays_.clear();
@@ -181,12 +171,14 @@ void Wavefront::add_direct_light() {
     for (std::size_t k = 0; k < order_.size(); ++k) {
         const std::uint32_t pixel = path_of(k).pixel;
         const PathRandom random = random_of(pixel);
-        const bool at_lights = random.one(Dimension::kTechnique) < lights_share();
-        const LightSample sample =
-            at_lights ? sample_light(k, random) : sample_environment(k, random);
-        if (sample.value == V3f(0.0f)) continue;
-        shadow_rays_.push_back(sample.shadow_ray);
-        contributions_.push_back({pixel, sample.value});
+        const auto shoot = [&](const LightSample& sample) {
+            if (sample.value == V3f(0.0f)) return;
+            shadow_rays_.push_back(sample.shadow_ray);
+            contributions_.push_back({pixel, sample.value});
+        };
+        // One ray each: a choice between the two would double the variance of both.
+        if (has_lights()) shoot(sample_light(k, random));
+        if (pass_->scene.environment) shoot(sample_environment(k, random));
     }
     occluded_.resize(shadow_rays_.size());
     pass_->scene.ray_tracer->occluded(shadow_rays_, occluded_);
@@ -218,10 +210,10 @@ Wavefront::LightSample Wavefront::sample_light(std::size_t vertex,
         const float prob = sampler.prob_is_proxy()
                                ? sampler.prob(point, selection.receipt, selection.light)
                                : selection.prob;
-        const float light_pdf = lights_share() * prob * s.pdf;
+        const float light_pdf = prob * s.pdf;
         weight = light_pdf / (light_pdf + bsdf.pdf);
     }
-    const float divisor = lights_share() * selection.prob * vertex_prob * s.pdf;
+    const float divisor = selection.prob * vertex_prob * s.pdf;
     return {{surface.origin, s.place - surface.origin, kShadowEnd}, value * (weight / divisor)};
 }
 
@@ -229,14 +221,13 @@ Wavefront::LightSample Wavefront::sample_environment(std::size_t vertex,
                                                      const PathRandom& random) const noexcept {
     const Surface& surface = surfaces_[vertex];
     const EnvironmentSample s = pass_->scene.environment->sample(
-        random.fine(Dimension::kEnvironment), random.two(Dimension::kLightVertex));
+        random.fine(Dimension::kEnvironment), random.two(Dimension::kInCell));
     if (!(s.pdf > 0.0f) || s.direction.dot(surface.normal) <= 0.0f) return {};
     const BsdfValue bsdf = surface.bsdf.evaluate(s.direction);
-    const float light_pdf = environment_share() * s.pdf;
     const bool mis = pass_->settings.direct_light == DirectLight::kMis;
-    const float weight = mis ? light_pdf / (light_pdf + bsdf.pdf) : 1.0f;
+    const float weight = mis ? s.pdf / (s.pdf + bsdf.pdf) : 1.0f;
     return {{surface.origin, s.direction},
-            path_of(vertex).throughput * bsdf.value * s.radiance * (weight / light_pdf)};
+            path_of(vertex).throughput * bsdf.value * s.radiance * (weight / s.pdf)};
 }
 
 void Wavefront::scatter() {

@@ -96,9 +96,6 @@ class Wavefront {
 
     bool needs_selection() const noexcept;
     bool has_lights() const noexcept;
-    /// Probability that a next-event sample goes to the lights, and to the environment.
-    float lights_share() const noexcept;
-    float environment_share() const noexcept;
     const Path& path_of(std::size_t vertex) const noexcept { return paths_[order_[vertex]]; }
     PathRandom random_of(std::uint32_t pixel) const noexcept { return {pass_->key, pixel, depth_}; }
 

@@ -57,12 +57,14 @@ install_packages() {
     if ! command -v "${apt[0]}" >/dev/null; then
         reason="neither root nor sudo"
     elif "${apt[@]}" update >"$build/packages.log" 2>&1; then
-        "${apt[@]}" install --no-install-recommends "${wanted[@]}" >>"$build/packages.log" 2>&1 || true
+        "${apt[@]}" install --no-install-recommends "${wanted[@]}" >>"$build/packages.log" 2>&1 ||
+            true
     fi
     mapfile -t wanted < <(packages_not_installed)
     ((${#wanted[@]})) || return 0
     missing+=("${wanted[@]}")
-    say "going on without these Debian packages, which could not be installed ($reason): ${wanted[*]}"
+    say "going on without these Debian packages, which could not be installed" \
+        "($reason): ${wanted[*]}"
 }
 
 # ---- Python packages -----------------------------------------------------------------------------
@@ -76,9 +78,9 @@ make_venv() {
     echo "$stamp" >"$venv/made-for"
 }
 
-# The requirements of a group, one a line, from where they are written down.
+# The requirements of the groups, one a line, from where they are written down.
 requirements() {
-    "$venv/bin/python" - "$root/bindings/pyproject.toml" "$1" <<'PYTHON'
+    "$venv/bin/python" - "$root/bindings/pyproject.toml" "$@" <<'PYTHON'
 import sys, tomllib
 
 with open(sys.argv[1], "rb") as file:
@@ -89,7 +91,8 @@ groups = {
     "run": project["dependencies"],
     "test": project["optional-dependencies"]["test"],
 }
-print("\n".join(groups[sys.argv[2]]))
+for name in sys.argv[2:]:
+    print("\n".join(groups[name]))
 PYTHON
 }
 
@@ -113,7 +116,7 @@ for line in sys.stdin.read().splitlines():
 
 install_requirements() {
     local wanted
-    mapfile -t wanted < <(for group in "${requirement_groups[@]}"; do requirements "$group"; done | unmet)
+    mapfile -t wanted < <(requirements "${requirement_groups[@]}" | unmet)
     ((${#wanted[@]})) || return 0
     say "installing Python packages: ${wanted[*]}"
     "$venv/bin/pip" install --quiet --disable-pip-version-check "${wanted[@]}" >&2 && return
@@ -173,7 +176,8 @@ install_package() {
     hash=$(package_hash)
     [[ $(cat "$venv/package-hash" 2>/dev/null) == "$hash" ]] && return
     say "building and installing the Python package"
-    "$venv/bin/pip" install --quiet --disable-pip-version-check --no-deps --no-build-isolation \
+    CMAKE_BUILD_PARALLEL_LEVEL=$(job_count) \
+        "$venv/bin/pip" install --quiet --disable-pip-version-check --no-deps --no-build-isolation \
         --config-settings=build-dir="$build/bindings" \
         --config-settings=cmake.define.lightcull_DIR="$build" "$root/bindings" >&2
     echo "$hash" >"$venv/package-hash"

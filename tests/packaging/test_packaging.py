@@ -10,13 +10,19 @@ import pytest
 ROOT = Path(__file__).parents[2]
 BUILD = ROOT / "build"
 WORK = BUILD / "packaging"
-HEADERS = sorted(path.relative_to(ROOT / "core/include") for path in (ROOT / "core/include").rglob("*.h"))
+CONSUMER = ROOT / "tests/packaging/consumer"
+INCLUDE = ROOT / "core/include"
+HEADERS = sorted(path.relative_to(INCLUDE) for path in INCLUDE.rglob("*.h"))
 LIGHTS_HEADERS = [path for path in HEADERS if len(path.parts) == 2]
 
 
 def attempt(*command, cwd=None):
     return subprocess.run(
-        [str(part) for part in command], cwd=cwd, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT
+        [str(part) for part in command],
+        cwd=cwd,
+        text=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
     )
 
 
@@ -27,14 +33,17 @@ def run(*command, cwd=None):
 
 
 def compiler():
-    return re.search(r"^CMAKE_CXX_COMPILER:\w+=(.*)$", (BUILD / "CMakeCache.txt").read_text(), re.M)[1]
+    cache = (BUILD / "CMakeCache.txt").read_text()
+    return re.search(r"^CMAKE_CXX_COMPILER:\w+=(.*)$", cache, re.M)[1]
 
 
 def configure(source, build, package, *options):
     """Configures a project that finds lightcull in the folder `package`."""
     shutil.rmtree(build, ignore_errors=True)
-    command = ["cmake", "-S", source, "-B", build, "-G", "Ninja", f"-DCMAKE_CXX_COMPILER={compiler()}"]
-    return attempt(*command, f"-Dlightcull_DIR={package}", "-DCMAKE_BUILD_TYPE=Release", *options)
+    return attempt(
+        *("cmake", "-S", source, "-B", build, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release"),
+        *(f"-DCMAKE_CXX_COMPILER={compiler()}", f"-Dlightcull_DIR={package}", *options),
+    )
 
 
 @pytest.fixture(scope="session")
@@ -57,7 +66,8 @@ def package(request):
 
 def test_all_public_headers_and_no_others_are_installed(prefix):
     include = prefix / "include"
-    assert sorted(path.relative_to(include) for path in include.rglob("*") if path.is_file()) == HEADERS
+    installed = [path.relative_to(include) for path in include.rglob("*") if path.is_file()]
+    assert sorted(installed) == HEADERS
 
 
 def test_the_install_tree_knows_nothing_of_the_source_tree(prefix):
@@ -97,13 +107,14 @@ def test_a_host_builds_with_lights_alone_and_gains_by_it(package, prefix):
 @pytest.mark.parametrize("components", ["", "lights;render;image"])
 def test_every_component_links_and_runs(package, prefix, components):
     build = WORK / "consumer"
-    result = configure(ROOT / "tests/packaging/consumer", build, package, f"-DCOMPONENTS={components}")
+    result = configure(CONSUMER, build, package, f"-DCOMPONENTS={components}")
     assert result.returncode == 0, result.stdout
     run("cmake", "--build", build)
     assert run(build / "consumer") == "white: 1\n"
 
 
 def test_a_component_that_is_not_there_is_named(package, prefix):
-    result = configure(ROOT / "tests/packaging/consumer", WORK / "consumer", package, "-DCOMPONENTS=lights;gpus")
+    result = configure(CONSUMER, WORK / "consumer", package, "-DCOMPONENTS=lights;gpus")
     assert result.returncode != 0
-    assert "no component 'gpus' here; there are: base, lights, image, render" in " ".join(result.stdout.split())
+    said = " ".join(result.stdout.split())
+    assert "no component 'gpus' here; there are: base, lights, image, render" in said

@@ -20,6 +20,7 @@ const char* const kUnbiased[] = {
     "uniform",
     "power",
     "light_bvh",
+    "light_bvh:importance=means",
     "exhaustive",
     "culled:accepted=4:sets=16",
     "culled:accepted=4:sets=1",
@@ -93,8 +94,8 @@ std::vector<Light> few_lights() {
     return lights;
 }
 
-/// 10 samplers, 3 points, 30 lights: one false alarm in 10,000 runs with other seeds.
-const double kLimit = sidak_z(1e-4, 10 * 3 * 30);
+/// 11 samplers, 3 points, 30 lights: one false alarm in 10,000 runs with other seeds.
+const double kLimit = sidak_z(1e-4, 11 * 3 * 30);
 
 }  // namespace
 
@@ -125,8 +126,9 @@ TEST_CASE("the test above sees that clamped never chooses lights out of range") 
 TEST_CASE("prob() equals what select() says, to the bit") {
     const std::vector<Light> lights = mixed_lights(500, 41, 6.0f);
     for (const char* description :
-         {"uniform", "power", "light_bvh", "exhaustive", "clamped", "culled", "culled:sets=1",
-          "paper:test=light:list=0", "paper:test=light:list=0:weight=g_over_p"}) {
+         {"uniform", "power", "light_bvh", "light_bvh:importance=means", "exhaustive", "clamped",
+          "culled", "culled:sets=1", "paper:test=light:list=0",
+          "paper:test=light:list=0:weight=g_over_p"}) {
         CAPTURE(description);
         const auto sampler = make_sampler(description, lights);
         sampler->begin_pass(9);
@@ -146,8 +148,8 @@ TEST_CASE("prob() equals what select() says, to the bit") {
 
 TEST_CASE("a batch gives what single calls give, to the bit") {
     const std::vector<Light> lights = mixed_lights(700, 51, 6.0f);
-    for (const char* description :
-         {"uniform", "power", "light_bvh", "exhaustive", "clamped", "culled", "paper"}) {
+    for (const char* description : {"uniform", "power", "light_bvh", "light_bvh:importance=means",
+                                    "exhaustive", "clamped", "culled", "paper"}) {
         const auto sampler = make_sampler(description, lights);
         sampler->begin_pass(2);
         for (const std::uint32_t count : {0u, 1u, 7u, 8u, 9u, 17u, 9000u}) {
@@ -169,8 +171,8 @@ TEST_CASE("no light, one light, dark lights") {
     const std::vector<Light> none, dark(3, point_light({1, 2, 3}, 0.0f)),
         one{point_light({1, 2, 3}, 4.0f)};
     const ShadingPoint point{{0, 0, 0}, {0, 0, 0}, 0};
-    for (const char* description :
-         {"uniform", "power", "light_bvh", "exhaustive", "clamped", "culled", "paper"}) {
+    for (const char* description : {"uniform", "power", "light_bvh", "light_bvh:importance=means",
+                                    "exhaustive", "clamped", "culled", "paper"}) {
         CAPTURE(description);
         for (const auto& lights : {none, dark}) {
             const auto sampler = make_sampler(description, lights);
@@ -257,6 +259,8 @@ TEST_CASE("descriptions that make no sense are refused by name") {
     CHECK(says(message("culled:sets=x"), "'x'"));
     CHECK(says(message("culled:sets=4:sets=4"), "twice"));
     CHECK(says(message("uniform:sets=4"), "no option 'sets'"));
+    CHECK(says(message("light_bvh:sets=4"), "no option 'sets'"));
+    CHECK(says(message("light_bvh:importance=mean"), "wanted means or bounds"));
     CHECK(says(message("culled:error_bound=-1"), "error_bound"));
     CHECK(says(message("culled:accepted=0"), "expected_accepted"));
     CHECK(says(message("paper:list=65"), "list is 65"));

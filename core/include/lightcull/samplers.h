@@ -25,9 +25,21 @@ std::unique_ptr<LightSampler> make_power_sampler(Span<const Light> lights);
 /// linear in the number of lights.
 std::unique_ptr<LightSampler> make_exhaustive_sampler(Span<const Light> lights);
 
+/// What a cluster of lights counts for at a point.
+enum class ClusterImportance {
+    kBounds,  ///< as Conty Estevez & Kulla 2018 have it: intensity / d^2 times the cosines of
+              ///< emitter and receiver, both angles reduced by the angle that the cluster's
+              ///< bounding sphere fills; d is to its centre, at least half its radius
+    kMeans,   ///< ours: means of distance and cosines over the cluster; less variance
+};
+
 /// Importance sampling down a tree of light clusters, 8 children to a node (Conty Estevez & Kulla
-/// 2018).
-std::unique_ptr<LightSampler> make_light_bvh_sampler(Span<const Light> lights);
+/// 2018; without the adaptive splitting: one selection is one light).
+struct LightBvhOptions {
+    ClusterImportance importance = ClusterImportance::kBounds;
+};
+std::unique_ptr<LightSampler> make_light_bvh_sampler(Span<const Light> lights,
+                                                     const LightBvhOptions& options = {});
 
 /// How long the ranges of `culled`, `paper` and `clamped` are.
 struct RangeOptions {
@@ -77,8 +89,9 @@ struct SamplerContext {
 /// "paper:list=0:error_bound=auto", "clamped:error_bound=0.05". Names: uniform, power, light_bvh,
 /// exhaustive, clamped, culled, paper. Options: error_bound (a number or auto), accepted, exposure
 /// (culled, paper, clamped); sets (culled, paper); test (vertex | light), weight (g | g_over_p),
-/// list (paper). Without `sets`, culled takes as many as suit context.points_per_pass.
-/// Throws Error for an unknown name or option, with the names there are.
+/// list (paper); importance (bounds | means; light_bvh). Without `sets`, culled takes as many as
+/// suit context.points_per_pass. Throws Error for an unknown name or option, with the names there
+/// are.
 std::unique_ptr<LightSampler> make_sampler(std::string_view description, Span<const Light> lights,
                                            const SamplerContext& context = {});
 

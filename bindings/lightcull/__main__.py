@@ -1,0 +1,7 @@
+"""python -m lightcull."""
+
+import sys
+
+from .cli import main
+
+sys.exit(main())

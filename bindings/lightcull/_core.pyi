@@ -1,0 +1,169 @@
+"""The compiled part. Arrays are C-contiguous; what each is, its users' docstrings say."""
+
+from collections.abc import Sequence
+from typing import Any, Final
+
+import numpy as np
+
+VERSION: Final[str]
+BUILD: Final[str]
+NO_TEXTURE: Final[int]
+
+LIGHT: Final[np.dtype[np.void]]
+"""Of a light: center (3,), radius, axis (3,), cos_theta_o, cos_theta_e, intensity (float32) and
+two_sided (bool); metres, W/sr. `axis` is a unit vector, and the normals of the light lie within
+theta_o of it; it emits up to theta_e from its normal.
+"""
+SELECTION: Final[np.dtype[np.void]]
+"""Of a selection: light (uint32), prob, weight_sum (float32), key (uint32)."""
+COUNTS: Final[np.dtype[np.void]]
+"""Of what a selection costs: nodes_visited, lights_tested, accepted (uint32)."""
+
+class Error(RuntimeError):
+    """What lightcull throws: one line that names the thing at fault."""
+
+def read_image(path: str, linear_data: bool = False) -> np.ndarray: ...
+def write_exr(
+    path: str, image: np.ndarray, half: bool = False, metadata: dict[str, str] = ...
+) -> None: ...
+def write_png(path: str, image: np.ndarray, metadata: dict[str, str] = ...) -> None: ...
+def view_names() -> list[str]: ...
+def apply_view(image: np.ndarray, view: str, exposure_stops: float = 0.0) -> np.ndarray: ...
+
+def triangle_lights(
+    corners: np.ndarray, radiance: np.ndarray, two_sided: bool = False
+) -> np.ndarray:
+    """Lights for triangles, (N,) of dtype LIGHT. corners: float32 (N, 3, 3), metres; the front is
+    where they run anticlockwise. radiance: float32 (N,), luminance, W/(m^2 sr).
+    """
+
+def point_lights(positions: np.ndarray, intensity: np.ndarray) -> np.ndarray:
+    """Lights for points, (N,) of dtype LIGHT. positions: float32 (N, 3), metres. intensity: float32
+    (N,), luminance, W/sr.
+    """
+
+class Scene:
+    def __init__(self) -> None: ...
+    def add_texture(self, texels: np.ndarray, /) -> int: ...
+    def add_material(
+        self,
+        metallic_roughness: bool,
+        base_color: Any,
+        metallic: float,
+        roughness: float,
+        base_color_texture: int,
+        metallic_roughness_texture: int,
+        /,
+    ) -> int: ...
+    def add_mesh(
+        self,
+        name: str,
+        positions: np.ndarray,
+        indices: np.ndarray,
+        normals: np.ndarray | None,
+        uvs: np.ndarray | None,
+        material: int,
+        radiance: Any,
+        face_radiance: np.ndarray | None,
+        texture: int,
+        two_sided: bool,
+        /,
+    ) -> int: ...
+    def add_point_light(self, position: Any, intensity: Any, /) -> None: ...
+    def add_spot_light(
+        self, position: Any, direction: Any, intensity: Any, inner: float, outer: float, /
+    ) -> None: ...
+    def set_environment(self, map: np.ndarray, scale: Any, rotation: float, /) -> None: ...
+    def set_camera(
+        self,
+        origin: Any,
+        target: Any,
+        up: Any,
+        vertical_fov: float,
+        aperture_radius: float,
+        focus_distance: float,
+        /,
+    ) -> None: ...
+    def commit(self) -> None: ...
+    def lights(self) -> np.ndarray: ...
+    def triangle_count(self) -> int: ...
+    def has_environment(self) -> bool: ...
+
+def sampler_of_lights(
+    lights: np.ndarray,
+    description: str,
+    positions: np.ndarray,
+    normals: np.ndarray | None,
+    /,
+) -> LightSampler: ...
+def sampler_of_scene(scene: Scene, description: str, /) -> LightSampler: ...
+
+class LightSampler:
+    def begin_pass(self, number: int, /) -> None: ...
+    def select(
+        self,
+        positions: np.ndarray,
+        normals: np.ndarray | None,
+        u: np.ndarray,
+        sets: np.ndarray | None,
+        /,
+    ) -> np.ndarray: ...
+    def prob(
+        self,
+        positions: np.ndarray,
+        normals: np.ndarray | None,
+        selections: np.ndarray,
+        lights: np.ndarray,
+        /,
+    ) -> np.ndarray: ...
+    def vertex_prob(
+        self,
+        positions: np.ndarray,
+        normals: np.ndarray | None,
+        selections: np.ndarray,
+        vertices: np.ndarray,
+        /,
+    ) -> np.ndarray: ...
+    def count(
+        self, positions: np.ndarray, normals: np.ndarray | None, sets: np.ndarray | None, /
+    ) -> np.ndarray: ...
+    def light_count(self) -> int: ...
+    def set_count(self) -> int: ...
+    def prob_is_proxy(self) -> bool: ...
+
+class RenderStats:
+    @property
+    def passes(self) -> int: ...
+    @property
+    def seconds(self) -> float: ...
+    @property
+    def selection_seconds(self) -> float: ...
+    @property
+    def selections(self) -> int: ...
+    @property
+    def rays(self) -> int: ...
+
+class MeanCounts:
+    @property
+    def nodes_visited(self) -> float: ...
+    @property
+    def lights_tested(self) -> float: ...
+    @property
+    def accepted(self) -> float: ...
+
+class Renderer:
+    def __init__(
+        self,
+        scene: Scene,
+        sampler: str,
+        width: int,
+        height: int,
+        max_depth: int,
+        seed: int,
+        threads: int,
+    ) -> None: ...
+    def render_pass(self) -> bool: ...
+    def image(self) -> np.ndarray: ...
+    def stats(self) -> RenderStats: ...
+    def mean_counts(self) -> MeanCounts: ...
+    def setup_seconds(self) -> float: ...

@@ -1,0 +1,108 @@
+"""Scenes from files, and by name."""
+
+from __future__ import annotations
+
+import difflib
+import os
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from .. import scenes
+from .._core import Error
+from ..scene import Scene
+from .gltf import fill_from_gltf
+from .notes import Notes, UnsupportedWarning
+from .plain import fill_from_obj, fill_from_ply
+
+__all__ = ["UnsupportedWarning", "example_scene", "load", "open_scene"]
+
+_LOADERS: dict[str, Callable[[Path, Scene, Notes], None]] = {
+    ".glb": fill_from_gltf,
+    ".gltf": fill_from_gltf,
+    ".obj": fill_from_obj,
+    ".ply": fill_from_ply,
+}
+
+
+def load(path: str | os.PathLike[str]) -> Scene:
+    """Loads a scene from a .glb, .gltf, .obj or .ply file.
+
+    Of glTF: triangles, metallic-roughness materials and their textures, emission with its texture
+    and KHR_materials_emissive_strength, KHR_lights_punctual (points and spots), and the first
+    perspective camera. Candela are taken as W/sr, and candela per square metre as W/(m^2 sr). Of
+    OBJ: diffuse colour and emission (Ke) with their textures. Of PLY: triangles and one texture.
+
+    What the file has beyond that is named in one `UnsupportedWarning`. It also says so if there was
+    no camera (one is placed that sees everything) or no light (the surroundings are made white).
+    """
+    path = Path(path)
+    fill = _LOADERS.get(path.suffix.lower())
+    if fill is None:
+        raise Error(f"{path}: wanted a name that ends in {', '.join(_LOADERS)}")
+    if not path.is_file():
+        raise Error(f"{path}: no such file")
+    scene, notes = Scene(path.stem), Notes()
+    try:
+        fill(path, scene, notes)
+    except Error as error:
+        raise Error(f"{path}: {error}") from error
+    if scene.triangle_count == 0:
+        raise Error(f"{path}: holds no triangles")
+    _complete(scene, notes)
+    if message := notes.message():
+        warnings.warn(f"{path}: {message}", UnsupportedWarning, stacklevel=2)
+    return scene
+
+
+def example_scene(name: str) -> Scene:
+    """Makes one of the example scenes, which are named in `lightcull.scenes.NAMES`."""
+    if name not in scenes.NAMES:
+        raise Error(f"no example scene {name!r}{_did_you_mean(name)}; {_there_are()}")
+    scene = scenes.build(name)
+    scene.name = name
+    return scene
+
+
+def open_scene(name_or_path: str) -> Scene:
+    """An example scene by its name, else a scene from a file."""
+    if name_or_path in scenes.NAMES:
+        return example_scene(name_or_path)
+    if Path(name_or_path).exists() or Path(name_or_path).suffix.lower() in _LOADERS:
+        return load(name_or_path)
+    raise Error(
+        f"{name_or_path!r} is neither a file nor an example scene"
+        f"{_did_you_mean(name_or_path)}; {_there_are()}"
+    )
+
+
+def _did_you_mean(name: str) -> str:
+    near = difflib.get_close_matches(name, scenes.NAMES, n=1, cutoff=0.5)
+    return f": did you mean {near[0]!r}?" if near else ""
+
+
+def _there_are() -> str:
+    return f"there are {', '.join(scenes.NAMES)}"
+
+
+def _complete(scene: Scene, notes: Notes) -> None:
+    """Gives a scene the camera and the light that its file does not have."""
+    if not notes.has_camera:
+        notes.remark("no camera: one is placed that sees everything")
+        _place_camera(scene)
+    if not notes.has_light:
+        notes.remark("no light: the surroundings are made white")
+        scene.set_environment((1.0, 1.0, 1.0))
+
+
+def _place_camera(scene: Scene) -> None:
+    bounds = scene.bounds
+    assert bounds is not None
+    center = bounds.mean(axis=0)
+    radius = max(float(np.linalg.norm(bounds[1] - bounds[0])) / 2, 1e-3)
+    direction = np.array([0.5, 0.4, 1.0]) / np.linalg.norm([0.5, 0.4, 1.0])
+    fov = 0.8
+    distance = radius / np.sin(fov / 2)
+    scene.set_camera(center + distance * direction, center, (0.0, 1.0, 0.0), fov)

@@ -1,0 +1,74 @@
+"""The figures of a comparison, worked out once for JSON, CSV and HTML alike."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from . import metrics
+from .model import Comparison, SamplerRun
+
+BASELINES = {"ratio_to_uniform": "uniform", "ratio_to_light_bvh": "light_bvh"}
+"""Ratios of efficiency, and the sampler whose efficiency divides."""
+
+
+def compute(comparison: Comparison) -> dict[str, Any]:
+    """The content of report.json: what it means is in the page's definitions.
+
+    None stands for a figure that there is not: a baseline that is not in the run, a division by 0.
+    """
+    reference = comparison.reference
+    samplers = {
+        name: _of_run(run, reference.image) for name, run in comparison.samplers.items()
+    }
+    for figures in samplers.values():
+        for key, baseline in BASELINES.items():
+            figures[key] = _ratio(
+                figures["efficiency"], samplers.get(baseline, {}).get("efficiency")
+            )
+    return {
+        "scene": comparison.scene,
+        "width": comparison.width,
+        "height": comparison.height,
+        "max_depth": comparison.max_depth,
+        "threads": comparison.threads,
+        "seconds": comparison.seconds,
+        "command": comparison.command,
+        "machine": dict(comparison.machine),
+        "reference": {
+            "sampler": reference.sampler,
+            "spp": int(reference.spp),
+            "relmse_of_itself": _finite(reference.relmse_of_itself),
+        },
+        "samplers": samplers,
+    }
+
+
+def _of_run(run: SamplerRun, reference_image: Any) -> dict[str, Any]:
+    relmse = metrics.relmse(run.image, reference_image)
+    return {
+        "spp": int(run.spp),
+        "seconds": float(run.seconds),
+        "setup_seconds": float(run.setup_seconds),
+        "ns_per_selection": _ratio(1e9 * run.selection_seconds, run.selections),
+        "rays_per_second": _ratio(run.rays, run.seconds - run.setup_seconds),
+        "accepted_per_point": _finite(run.accepted_per_point),
+        "nodes_per_point": _finite(run.nodes_per_point),
+        "lights_tested_per_point": _finite(run.lights_tested_per_point),
+        "rmse": metrics.rmse(run.image, reference_image),
+        "relmse": _finite(relmse),
+        "flip": metrics.flip(run.image, reference_image),
+        "relmse_blurred": _finite(metrics.relmse_blurred(run.image, reference_image)),
+        "efficiency": _finite(metrics.efficiency(relmse, run.seconds)),
+        "error_curve": [[float(seconds), _finite(error)] for seconds, error in run.curve],
+    }
+
+
+def _ratio(above: float | None, below: float | None) -> float | None:
+    if above is None or below is None or below <= 0:
+        return None
+    return above / below
+
+
+def _finite(value: float) -> float | None:
+    return float(value) if math.isfinite(value) else None

@@ -1,0 +1,94 @@
+"""Images and error maps as 8-bit pixels and PNG."""
+
+from __future__ import annotations
+
+import io
+from dataclasses import dataclass
+
+import numpy as np
+
+from . import metrics
+
+BRIGHTNESS = 0.11
+"""Log-average that pictures are brought to: below middle grey, scenes full of lights are night."""
+COLOR_MAP = "magma"
+
+
+@dataclass(frozen=True)
+class ErrorMap:
+    """A kind of error map, and the scale that all maps of that kind share."""
+
+    key: str
+    title: str
+    figure: str
+    """What the mean of the map is called."""
+    figure_key: str
+    low: float
+    high: float
+    logarithmic: bool
+
+
+ERROR_MAPS = (
+    ErrorMap("error", "Relative squared error", "relMSE", "relmse", 1e-4, 1e1, True),
+    ErrorMap("blurred", "After 7 × 7 blur", "blurred relMSE", "relmse_blurred", 1e-5, 1e0, True),
+    ErrorMap("flip", "FLIP", "FLIP", "flip", 0.0, 1.0, False),
+)
+
+
+def exposure_for(reference: np.ndarray) -> float:
+    """Stops that bring the log-average luminance of what is not near black to BRIGHTNESS.
+
+    At most 3 stops either way from the scene's own exposure: a night is to stay a night.
+    """
+    luminance = reference @ np.array([0.2126, 0.7152, 0.0722], dtype=np.float32)
+    lit = luminance[luminance > 0.01 * luminance.mean()]
+    if lit.size == 0:
+        return 0.0
+    stops = np.log2(BRIGHTNESS) - np.mean(np.log2(lit), dtype=np.float64)
+    return float(np.clip(round(stops, 1), -3.0, 3.0))
+
+
+def display(image: np.ndarray, view: str, exposure: float) -> np.ndarray:
+    """What the view shows of a linear image: (H, W, 3) uint8; exposure in stops."""
+    import lightcull
+
+    shown = lightcull.apply_view(np.ascontiguousarray(image, dtype=np.float32), view, exposure)
+    return np.round(255.0 * np.clip(shown, 0.0, 1.0)).astype(np.uint8)
+
+
+def error_values(kind: ErrorMap, image: np.ndarray, reference: np.ndarray) -> np.ndarray:
+    """The error that a map of that kind shows: (H, W), mean over channels."""
+    if kind.key == "flip":
+        return metrics.flip_map(image, reference)
+    if kind.key == "blurred":
+        image, reference = metrics.box_blur(image), metrics.box_blur(reference)
+    return metrics.relative_squared_error(image, reference).mean(axis=2)
+
+
+def to_palette(kind: ErrorMap, values: np.ndarray) -> np.ndarray:
+    """Index into the 256 colours of the map for each value: (H, W) uint8."""
+    low, high = kind.low, kind.high
+    clipped = np.clip(values, low, high)
+    if kind.logarithmic:
+        clipped, low, high = np.log(clipped), np.log(low), np.log(high)
+    return np.round(255.0 * (clipped - low) / (high - low)).astype(np.uint8)
+
+
+def palette() -> np.ndarray:
+    """The colours of error maps, dark to bright: (256, 3) uint8."""
+    import matplotlib
+
+    colors = matplotlib.colormaps[COLOR_MAP](np.arange(256))[:, :3]
+    return np.round(255.0 * colors).astype(np.uint8)
+
+
+def encode_png(pixels: np.ndarray) -> bytes:
+    """PNG of (H, W, 3) uint8, or of (H, W) uint8 that index into `palette`."""
+    from PIL import Image
+
+    picture = Image.fromarray(pixels)
+    if pixels.ndim == 2:
+        picture.putpalette(palette().tobytes())
+    stream = io.BytesIO()
+    picture.save(stream, format="PNG", optimize=True)
+    return stream.getvalue()

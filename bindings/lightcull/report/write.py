@@ -1,0 +1,82 @@
+"""Writes a report into a folder."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from . import html, pictures, plots, tables
+from .figures import compute
+from .model import Comparison
+
+
+def write(comparison: Comparison, folder: str | Path) -> Path:
+    """Writes index.html, report.json, report.csv, error_curves.csv, error_curves.png, and of the
+    reference and of each sampler NAME.png and NAME.exr, into `folder`, which is made if need be.
+
+    Returns the path of index.html.
+    """
+    import lightcull
+
+    folder = Path(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    figures = compute(comparison)
+    view = lightcull.view_names()[0]
+    exposure = pictures.exposure_for(comparison.reference.image)
+
+    images = _images(comparison, view, exposure)
+    for name, png in images["image"].items():
+        (folder / f"{file_stem(name)}.png").write_bytes(png)
+    _write_exrs(comparison, folder)
+    plots.error_against_time(figures).savefig(folder / "error_curves.png", dpi=150)
+    tables.write_json(figures, folder / "report.json")
+    tables.write_csv(figures, folder / "report.csv")
+    tables.write_curves_csv(figures, folder / "error_curves.csv")
+
+    index = folder / "index.html"
+    shown_with = f"{view}, exposure {exposure:+g} stops"
+    index.write_text(html.render(figures, images, shown_with), encoding="utf-8")
+    return index
+
+
+def file_stem(name: str) -> str:
+    """A sampler's description as part of a file name: "culled:sets=16" is culled_sets-16."""
+    return re.sub(r"[^\w.+-]", "-", name.replace(":", "_"))
+
+
+def _images(comparison: Comparison, view: str, exposure: float) -> dict[str, dict[str, bytes]]:
+    reference = comparison.reference.image
+    linear = {html.REFERENCE: reference}
+    linear.update({name: run.image for name, run in comparison.samplers.items()})
+    images = {
+        "image": {
+            name: pictures.encode_png(pictures.display(image, view, exposure))
+            for name, image in linear.items()
+        }
+    }
+    for kind in pictures.ERROR_MAPS:
+        images[kind.key] = {
+            name: pictures.encode_png(
+                pictures.to_palette(kind, pictures.error_values(kind, run.image, reference))
+            )
+            for name, run in comparison.samplers.items()
+        }
+    return images
+
+
+def _write_exrs(comparison: Comparison, folder: Path) -> None:
+    import lightcull
+
+    reference = comparison.reference
+    about = {"scene": comparison.scene, "max_depth": str(comparison.max_depth)}
+    lightcull.write_exr(
+        str(folder / f"{html.REFERENCE}.exr"),
+        reference.image,
+        metadata={**about, "sampler": reference.sampler, "spp": str(reference.spp)},
+    )
+    for name, run in comparison.samplers.items():
+        lightcull.write_exr(
+            str(folder / f"{file_stem(name)}.exr"),
+            run.image,
+            metadata={**about, "sampler": name, "spp": str(run.spp), "seconds": f"{run.seconds:g}"},
+        )

@@ -1,0 +1,129 @@
+"""Light samplers over arrays of points."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from . import _core
+from .scene import Scene
+
+
+class LightSampler:
+    """Picks, for each of many points, one light out of many, and says with what probability.
+
+    lights: a `Scene`, or lights as `triangle_lights`, `point_lights` or `Scene.lights` give them:
+    (N,) of dtype `lightcull.LIGHT`, whose fields are center (3), radius, axis (3; unit length),
+    cos_theta_o (of the cone of normals about the axis), cos_theta_e (of the largest angle to a
+    normal at which it emits), intensity (W/sr, luminance) and two_sided.
+    description: a name, then options, as in "culled", "culled:sets=16", "clamped:error_bound=0.05".
+    The names are `lightcull.SAMPLERS`.
+    calibration: positions and normals of some hundred points typical of the use, to set the ranges
+    of `culled` by. Without them they are drawn from the bounds of the lights; those of a scene come
+    from its camera.
+
+    Calls release the GIL and may run in any number of threads; a `begin_pass` waits for those that
+    are under way. Pass 0 has begun when the sampler is made.
+
+    >>> sampler = LightSampler(lightcull.example_scene("lanterns"), "culled")
+    >>> chosen = sampler.select(positions, normals, u)
+    >>> chosen["light"], chosen["prob"]
+    """
+
+    def __init__(
+        self,
+        lights: Scene | np.ndarray,
+        description: str = "culled",
+        *,
+        calibration: tuple[np.ndarray, np.ndarray] | None = None,
+    ) -> None:
+        self.description = description
+        if isinstance(lights, Scene):
+            if calibration is not None:
+                raise TypeError("calibration: a scene brings its own")
+            self._core = _core.sampler_of_scene(lights.closed(), description)
+        else:
+            positions, normals = calibration or (np.empty((0, 3), np.float32), None)
+            self._core = _core.sampler_of_lights(lights, description, positions, normals)
+
+    def begin_pass(self, number: int) -> None:
+        """Draws the random ranges of a pass; equal numbers give equal ranges."""
+        self._core.begin_pass(number)
+
+    def select(
+        self,
+        positions: np.ndarray,
+        normals: np.ndarray | None,
+        u: np.ndarray,
+        sets: np.ndarray | None = None,
+    ) -> np.ndarray:
+        """Chooses a light for each point.
+
+        positions: float32 (N, 3), metres. normals: float32 (N, 3), unit length, or 0 in a volume;
+        None: 0 for all. u: float32 (N,), random numbers in [0, 1). sets: uint32 (N,), which of the
+        `set_count` sets of random ranges each point uses; None: the first.
+
+        Returns (N,) of dtype `lightcull.SELECTION`: light (index), prob (in (0, 1], or 0 where no
+        light was chosen, which is no error), and for `prob` weight_sum and key.
+        """
+        return self._core.select(positions, normals, u, sets)
+
+    def prob(
+        self,
+        positions: np.ndarray,
+        normals: np.ndarray | None,
+        selections: np.ndarray,
+        lights: np.ndarray,
+    ) -> np.ndarray:
+        """The probability of a light at each point, for multiple importance sampling: float32 (N,).
+
+        selections: what `select` returned for these points. lights: uint32 (N,). A light that was
+        not accepted gets the probability that it would have had, had it been accepted.
+        """
+        return self._core.prob(positions, normals, selections, lights)
+
+    def vertex_prob(
+        self,
+        positions: np.ndarray,
+        normals: np.ndarray | None,
+        selections: np.ndarray,
+        vertices: np.ndarray,
+    ) -> np.ndarray:
+        """The factor by which to multiply prob at a vertex on the chosen light: float32 (N,).
+
+        1, unless the sampler decides at the vertex (`paper` does): then 0 where the vertex is out
+        of range and the light must be skipped. vertices: float32 (N, 3), metres.
+        """
+        return self._core.vertex_prob(positions, normals, selections, vertices)
+
+    def count(
+        self, positions: np.ndarray, normals: np.ndarray | None, sets: np.ndarray | None = None
+    ) -> np.ndarray:
+        """What a selection costs at each point: (N,) of dtype `lightcull.COUNTS`: nodes_visited,
+        lights_tested, accepted.
+        """
+        return self._core.count(positions, normals, sets)
+
+    @property
+    def light_count(self) -> int:
+        """Number of lights, those of intensity 0 included."""
+        return self._core.light_count()
+
+    @property
+    def set_count(self) -> int:
+        """Number of sets of random ranges in a pass."""
+        return self._core.set_count()
+
+    @property
+    def prob_is_proxy(self) -> bool:
+        """True if `prob` is only a stand-in for the prob of `select`, good for MIS weights alone."""
+        return self._core.prob_is_proxy()
+
+    def __repr__(self) -> str:
+        return f"<lightcull.LightSampler {self.description!r}: {self.light_count} lights>"
+
+
+def check_description(description: str) -> None:
+    """Throws `lightcull.Error` unless it describes a sampler, with what there is."""
+    positions = np.zeros((1, 3), np.float32)
+    light = _core.point_lights(positions, np.ones(1, np.float32))
+    _core.sampler_of_lights(light, description, positions, None)

@@ -1,0 +1,326 @@
+"""Scenes: geometry, materials, emitters and a camera."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import threading
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Literal, TypeAlias
+
+import numpy as np
+
+from . import _core
+from ._core import Error
+
+Vector: TypeAlias = Sequence[float] | np.ndarray
+"""Three numbers: metres, a direction, or linear RGB."""
+TextureSource: TypeAlias = str | os.PathLike[str] | np.ndarray
+"""Path of an image, or float32 (H, W, 3) linear RGB with row 0 at the top."""
+
+
+@dataclass(frozen=True)
+class Camera:
+    """A thin lens that looks from origin to target; a pinhole where aperture_radius is 0."""
+
+    origin: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    """Metres."""
+    target: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Metres."""
+    up: tuple[float, float, float] = (0.0, 1.0, 0.0)
+    """Any direction but that of the view."""
+    vertical_fov: float = 0.8
+    """Radians, between 0 and pi."""
+    aperture_radius: float = 0.0
+    """Metres."""
+    focus_distance: float = 1.0
+    """Metres."""
+
+
+class Scene:
+    """Geometry, materials, emitters and a camera, in metres, radians and linear RGB.
+
+    Fill it, then render it. The first use (`render`, `lights`, a `LightSampler`) closes it: nothing
+    can be added from then on. Arrays must be C-contiguous float32, or uint32 for indices; another
+    dtype or shape is a TypeError, and values that make no sense are a `lightcull.Error`.
+
+    >>> scene = Scene()
+    >>> floor = np.array([[-5, 0, -5], [-5, 0, 5], [5, 0, 5], [5, 0, -5]], np.float32)
+    >>> quad = np.array([[0, 1, 2], [0, 2, 3]], np.uint32)
+    >>> scene.add_mesh(floor, quad, name="floor")
+    >>> scene.add_point_light((0, 3, 0), intensity=(10, 10, 10))
+    >>> scene.set_camera(origin=(0, 2, 8), target=(0, 0, 0))
+    """
+
+    def __init__(self, name: str = "scene") -> None:
+        self.name = name
+        """What images and reports call it."""
+        self._core = _core.Scene()
+        self._camera = Camera()
+        self._digest = hashlib.blake2b(digest_size=16)
+        self._closed = False
+        self._lock = threading.Lock()
+        self._default_materials: dict[float, int] = {}
+        self._bounds: np.ndarray | None = None
+        self._counts = {"meshes": 0, "materials": 0, "textures": 0, "points": 0, "spots": 0}
+
+    def add_texture(self, texels: TextureSource, *, linear_data: bool = False) -> int:
+        """Adds an image and returns its id, for materials and emission.
+
+        texels: a path, or float32 (H, W, 3) linear RGB; row 0 is the top, v = 1. It repeats.
+        linear_data: of a path, that an 8-bit image holds numbers (roughness), not sRGB colours.
+        """
+        if not isinstance(texels, np.ndarray):
+            texels = _core.read_image(os.fspath(texels), linear_data)
+        texture = self._core.add_texture(texels)
+        self._note("texture", texels)
+        self._counts["textures"] += 1
+        return texture
+
+    def add_material(
+        self,
+        kind: Literal["diffuse", "metallic_roughness"] = "diffuse",
+        base_color: Vector = (0.5, 0.5, 0.5),
+        metallic: float = 0.0,
+        roughness: float = 1.0,
+        base_color_texture: int | None = None,
+        metallic_roughness_texture: int | None = None,
+    ) -> int:
+        """Adds a material, which reflects on both sides, and returns its id.
+
+        kind: "diffuse", or "metallic_roughness", which is that of glTF 2.0: GGX, F0 0.04.
+        base_color: linear RGB in [0, 1]; metallic, roughness (perceptual: alpha is its square):
+        [0, 1]. Textures multiply them; of metallic_roughness_texture green is the roughness and
+        blue the metalness.
+        """
+        if kind not in ("diffuse", "metallic_roughness"):
+            raise Error(f"material: kind {kind!r} is neither 'diffuse' nor 'metallic_roughness'")
+        parameters = (
+            kind == "metallic_roughness",
+            base_color,
+            metallic,
+            roughness,
+            _texture_id(base_color_texture),
+            _texture_id(metallic_roughness_texture),
+        )
+        material = self._core.add_material(*parameters)
+        self._note("material", *parameters)
+        self._counts["materials"] += 1
+        return material
+
+    def add_mesh(
+        self,
+        positions: np.ndarray,
+        indices: np.ndarray,
+        *,
+        normals: np.ndarray | None = None,
+        uvs: np.ndarray | None = None,
+        material: int | None = None,
+        name: str = "",
+    ) -> int:
+        """Adds triangles that reflect and returns the id of the mesh.
+
+        positions: float32 (N, 3), metres. indices: uint32 (M, 3). normals: float32 (N, 3), for
+        shading; none: flat. uvs: float32 (N, 2), v upwards. material: an id of `add_material`;
+        none: diffuse, grey of 0.5. name: for messages.
+        """
+        if material is None:
+            material = self._default_material(0.5)
+        no_emission = ((0.0, 0.0, 0.0), None, _core.NO_TEXTURE, False)
+        return self._add_mesh(name, positions, indices, normals, uvs, material, no_emission)
+
+    def add_light_mesh(
+        self,
+        positions: np.ndarray,
+        indices: np.ndarray,
+        *,
+        radiance: Vector,
+        two_sided: bool = False,
+        texture: int | None = None,
+        normals: np.ndarray | None = None,
+        uvs: np.ndarray | None = None,
+        material: int | None = None,
+        name: str = "",
+    ) -> int:
+        """Adds triangles that emit, each of them a light, and returns the id of the mesh.
+
+        radiance: linear RGB, W/(m^2 sr); for all, or float32 (M, 3), one for each triangle.
+        two_sided: emits from the back too; the front is where corners run anticlockwise.
+        texture: an id of `add_texture` that multiplies the radiance. material: how it reflects;
+        none: not at all. The rest as in `add_mesh`.
+        """
+        if material is None:
+            material = self._default_material(0.0)
+        per_face = isinstance(radiance, np.ndarray) and radiance.ndim != 1
+        emission = (
+            (1.0, 1.0, 1.0) if per_face else radiance,
+            radiance if per_face else None,
+            _texture_id(texture),
+            two_sided,
+        )
+        return self._add_mesh(name, positions, indices, normals, uvs, material, emission)
+
+    def add_point_light(self, position: Vector, intensity: Vector) -> None:
+        """Adds a point that emits in all directions. intensity: linear RGB, W/sr."""
+        self._core.add_point_light(position, intensity)
+        self._note("point", position, intensity)
+        self._counts["points"] += 1
+
+    def add_spot_light(
+        self, position: Vector, direction: Vector, intensity: Vector, inner: float, outer: float
+    ) -> None:
+        """Adds a point that emits `intensity` (linear RGB, W/sr) up to `inner` from `direction`,
+        and from there smoothly less until nothing at `outer`; radians, 0 <= inner <= outer.
+        """
+        parameters = (position, direction, intensity, inner, outer)
+        self._core.add_spot_light(*parameters)
+        self._note("spot", *parameters)
+        self._counts["spots"] += 1
+
+    def set_environment(
+        self,
+        map_or_rgb: TextureSource | Vector,
+        scale: float | Vector = 1.0,
+        rotation: float = 0.0,
+    ) -> None:
+        """Surrounds the scene by light from infinity, W/(m^2 sr).
+
+        map_or_rgb: linear RGB, or a latitude-longitude map with +Y up and -Z in the middle: a path,
+        or float32 (H, W, 3). scale: one number or three, which multiply it. rotation: radians
+        about +Y.
+        """
+        texels = _environment_texels(map_or_rgb)
+        rgb_scale = (scale,) * 3 if isinstance(scale, int | float) else scale
+        self._core.set_environment(texels, rgb_scale, rotation)
+        self._note("environment", texels, rgb_scale, rotation)
+
+    def set_camera(
+        self,
+        origin: Vector,
+        target: Vector,
+        up: Vector = (0.0, 1.0, 0.0),
+        vertical_fov: float = 0.8,
+        aperture_radius: float = 0.0,
+        focus_distance: float = 1.0,
+    ) -> None:
+        """Places the camera: a thin lens at `origin` that looks to `target` (metres).
+
+        vertical_fov: radians. aperture_radius, focus_distance: metres; a radius of 0 is a pinhole.
+        """
+        parameters = (origin, target, up, vertical_fov, aperture_radius, focus_distance)
+        self._core.set_camera(*parameters)
+        self._note("camera", *parameters)
+        self._camera = Camera(
+            _triple(origin), _triple(target), _triple(up),
+            float(vertical_fov), float(aperture_radius), float(focus_distance),
+        )  # fmt: skip
+
+    @property
+    def camera(self) -> Camera:
+        """The camera that `set_camera` placed."""
+        return self._camera
+
+    @property
+    def bounds(self) -> np.ndarray | None:
+        """Smallest and largest corner of all meshes, float32 (2, 3), metres; None without any."""
+        return None if self._bounds is None else self._bounds.copy()
+
+    @property
+    def triangle_count(self) -> int:
+        """Number of triangles, those that emit included."""
+        return self._core.triangle_count()
+
+    @property
+    def has_environment(self) -> bool:
+        """Whether light comes from infinity."""
+        return self._core.has_environment()
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """How many meshes, materials, textures, points and spots were added."""
+        return dict(self._counts)
+
+    def lights(self) -> np.ndarray:
+        """The lights that samplers choose from: (N,) of dtype `lightcull.LIGHT`, in the order in
+        which they were added. The environment is not among them. Closes the scene.
+        """
+        return self.closed().lights()
+
+    def digest(self) -> str:
+        """A hash of all that was added, to know the scene by."""
+        return self._digest.hexdigest()
+
+    def closed(self) -> _core.Scene:
+        """The compiled scene, ready to be rendered; nothing can be added any more."""
+        with self._lock:
+            if not self._closed:
+                self._core.commit()
+                self._closed = True
+        return self._core
+
+    def __repr__(self) -> str:
+        return f"<lightcull.Scene {self.name!r}: {self.triangle_count} triangles>"
+
+    def _add_mesh(
+        self,
+        name: str,
+        positions: np.ndarray,
+        indices: np.ndarray,
+        normals: np.ndarray | None,
+        uvs: np.ndarray | None,
+        material: int,
+        emission: tuple[Any, Any, int, bool],
+    ) -> int:
+        parameters = (name, positions, indices, normals, uvs, material, *emission)
+        mesh = self._core.add_mesh(*parameters)
+        self._note("mesh", *parameters)
+        self._counts["meshes"] += 1
+        self._include(positions)
+        return mesh
+
+    def _include(self, positions: np.ndarray) -> None:
+        if len(positions) == 0:
+            return
+        corners = [positions.min(axis=0), positions.max(axis=0)]
+        if self._bounds is not None:
+            corners = [
+                np.minimum(corners[0], self._bounds[0]),
+                np.maximum(corners[1], self._bounds[1]),
+            ]
+        self._bounds = np.stack(corners)
+
+    def _default_material(self, grey: float) -> int:
+        if grey not in self._default_materials:
+            self._default_materials[grey] = self.add_material(base_color=(grey, grey, grey))
+        return self._default_materials[grey]
+
+    def _note(self, kind: str, *parameters: Any) -> None:
+        """Works what was added into the digest."""
+        self._digest.update(kind.encode())
+        for parameter in parameters:
+            if isinstance(parameter, np.ndarray):
+                self._digest.update(repr(parameter.shape).encode())
+                self._digest.update(np.ascontiguousarray(parameter).tobytes())
+            else:
+                self._digest.update(repr(parameter).encode())
+            self._digest.update(b";")
+
+
+def _texture_id(texture: int | None) -> int:
+    return _core.NO_TEXTURE if texture is None else texture
+
+
+def _triple(vector: Vector) -> tuple[float, float, float]:
+    x, y, z = vector
+    return float(x), float(y), float(z)
+
+
+def _environment_texels(map_or_rgb: TextureSource | Vector) -> np.ndarray:
+    if isinstance(map_or_rgb, str | os.PathLike):
+        return _core.read_image(os.fspath(map_or_rgb), False)
+    if isinstance(map_or_rgb, np.ndarray) and map_or_rgb.ndim != 1:
+        return map_or_rgb
+    if np.shape(map_or_rgb) != (3,):
+        raise TypeError(f"environment: wanted a path, a map or three numbers, got {map_or_rgb!r}")
+    return np.array(map_or_rgb, dtype=np.float32).reshape(1, 1, 3)

@@ -1,0 +1,36 @@
+"""Example scenes, made by code: `build(name)` for a name in `NAMES`."""
+
+from __future__ import annotations
+
+import difflib
+import importlib
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from lightcull import Scene
+
+NAMES = {
+    "lanterns": "a courtyard at dusk hung with 2,736 lanterns: 54,720 triangle lights",
+    "city": "a street at night: lit windows, shops, signs and street lamps, most of them out of sight",
+    "embers": "250,000 embers over a glossy floor, powers over six decades",
+    "cornell": "the Cornell box under a square lamp: 2 triangle lights",
+    "million": "snowy hills planted with 51,200 glowing bulbs: 1,024,000 triangle lights",
+}
+"""The example scenes, and what each shows."""
+
+
+def build(name: str) -> Scene:
+    """Builds an example scene, the same in every call.
+
+    Raises lightcull.Error for a name that is not in `NAMES`.
+    """
+    import lightcull
+
+    if name not in NAMES:
+        near = difflib.get_close_matches(name, NAMES, n=1, cutoff=0.0)[0]
+        raise lightcull.Error(
+            f"no example scene {name!r}; did you mean {near!r}? There are: {', '.join(NAMES)}"
+        )
+    scene = lightcull.Scene(name)
+    importlib.import_module(f".{name}", __name__).fill(scene)
+    return scene

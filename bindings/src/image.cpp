@@ -1,0 +1,57 @@
+#include "arrays.h"
+#include "module.h"
+
+#include <lightcull/image/image.h>
+
+#include <pybind11/stl.h>
+
+namespace lightcull::python {
+namespace {
+
+using Metadata = std::map<std::string, std::string>;
+
+py::object read(const std::string& path, bool linear_data) {
+    Image image;
+    {
+        const py::gil_scoped_release release;
+        image = read_image(path, linear_data);
+    }
+    return array_from_image(image.pixels, image.width, image.height);
+}
+
+void write_exr_array(const std::string& path, const py::object& array, bool half,
+                     const Metadata& metadata) {
+    const Image image = image_from_array(array, "image");
+    const py::gil_scoped_release release;
+    write_exr(path, image, half ? PixelType::kHalf : PixelType::kFloat, metadata);
+}
+
+void write_png_array(const std::string& path, const py::object& array, const Metadata& metadata) {
+    const Image image = image_from_array(array, "image");
+    const py::gil_scoped_release release;
+    write_png(path, image, metadata);
+}
+
+py::object view_of_array(const py::object& array, const std::string& view, float exposure_stops) {
+    Image image = image_from_array(array, "image");
+    {
+        const py::gil_scoped_release release;
+        image = apply_view(image, view, exposure_stops);
+    }
+    return array_from_image(image.pixels, image.width, image.height);
+}
+
+}  // namespace
+
+void bind_image(py::module_& module) {
+    module.def("read_image", &read, py::arg("path"), py::arg("linear_data") = false);
+    module.def("write_exr", &write_exr_array, py::arg("path"), py::arg("image"),
+               py::arg("half") = false, py::arg("metadata") = Metadata());
+    module.def("write_png", &write_png_array, py::arg("path"), py::arg("image"),
+               py::arg("metadata") = Metadata());
+    module.def("view_names", &view_names);
+    module.def("apply_view", &view_of_array, py::arg("image"), py::arg("view"),
+               py::arg("exposure_stops") = 0.0f);
+}
+
+}  // namespace lightcull::python

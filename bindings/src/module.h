@@ -1,0 +1,13 @@
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+namespace lightcull::python {
+
+/// Each adds one part of the library to the module.
+void bind_image(pybind11::module_& module);
+void bind_scene(pybind11::module_& module);
+void bind_sampler(pybind11::module_& module);
+void bind_renderer(pybind11::module_& module);
+
+}  // namespace lightcull::python

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+namespace lightcull::python {
+
+/// NumPy dtypes with the layout of lightcull::Light, Selection and SelectionCounts.
+pybind11::object light_dtype();
+pybind11::object selection_dtype();
+pybind11::object counts_dtype();
+
+}  // namespace lightcull::python

@@ -1,0 +1,150 @@
+#include <lightcull/render/renderer.h>
+
+#include "arrays.h"
+#include "module.h"
+
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <future>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+namespace lightcull::python {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr std::chrono::milliseconds kSignalPeriod{50};
+constexpr std::uint32_t kCountedPoints = 512;
+
+/// Mean cost of one selection at camera points.
+struct MeanCounts {
+    double nodes_visited = 0.0, lights_tested = 0.0, accepted = 0.0;
+};
+
+/// A Renderer for Python: one call at a time, without the GIL, and open to Ctrl-C.
+class InterruptibleRenderer {
+  public:
+    InterruptibleRenderer(std::shared_ptr<const Scene> scene, const std::string& sampler,
+                          const RenderSettings& settings)
+        : scene_(std::move(scene)), settings_(settings) {
+        const Clock::time_point start = Clock::now();
+        tbb::task_arena arena(settings.threads == 0 ? tbb::task_arena::automatic
+                                                    : static_cast<int>(settings.threads));
+        arena.execute([&] {
+            renderer_ = std::make_unique<Renderer>(scene_, settings,
+                                                   make_scene_sampler(sampler, *scene_, settings));
+        });
+        setup_seconds_ = std::chrono::duration<double>(Clock::now() - start).count();
+    }
+
+    /// Python's signal handlers run in this thread only, so the pass is rendered in another.
+    bool render_pass() {
+        const py::gil_scoped_release release;
+        const std::lock_guard lock(mutex_);
+        std::atomic<bool> cancel{false};
+        std::future<bool> pass =
+            std::async(std::launch::async, [&] { return renderer_->render_pass(&cancel); });
+        bool interrupted = false;
+        while (!interrupted && pass.wait_for(kSignalPeriod) != std::future_status::ready) {
+            const py::gil_scoped_acquire acquire;
+            interrupted = PyErr_CheckSignals() != 0;
+        }
+        if (interrupted) {
+            cancel = true;
+            pass.wait();
+            const py::gil_scoped_acquire acquire;
+            throw py::error_already_set();
+        }
+        return pass.get();
+    }
+
+    py::object image() {
+        std::vector<float3> pixels;
+        {
+            const py::gil_scoped_release release;
+            const std::lock_guard lock(mutex_);
+            pixels = renderer_->image();
+        }
+        return array_from_image(pixels, settings_.width, settings_.height);
+    }
+
+    RenderStats stats() {
+        const py::gil_scoped_release release;
+        const std::lock_guard lock(mutex_);
+        return renderer_->stats();
+    }
+
+    MeanCounts mean_counts() {
+        const py::gil_scoped_release release;
+        const std::lock_guard lock(mutex_);
+        std::vector<ShadingPoint> points = camera_points(*scene_, settings_, kCountedPoints);
+        const LightSampler& sampler = renderer_->sampler();
+        MeanCounts mean;
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            points[i].set = set_of_packet(static_cast<std::uint32_t>(i), sampler.set_count());
+            const SelectionCounts counts = sampler.count(points[i]);
+            mean.nodes_visited += counts.nodes_visited;
+            mean.lights_tested += counts.lights_tested;
+            mean.accepted += counts.accepted;
+        }
+        const double n = std::max(static_cast<double>(points.size()), 1.0);
+        mean.nodes_visited /= n;
+        mean.lights_tested /= n;
+        mean.accepted /= n;
+        return mean;
+    }
+
+    double setup_seconds() const noexcept { return setup_seconds_; }
+
+  private:
+    std::shared_ptr<const Scene> scene_;
+    RenderSettings settings_;
+    std::unique_ptr<Renderer> renderer_;
+    double setup_seconds_ = 0.0;
+    std::mutex mutex_;
+};
+
+std::unique_ptr<InterruptibleRenderer> make_renderer(std::shared_ptr<Scene> scene,
+                                                     const std::string& sampler,
+                                                     std::uint32_t width, std::uint32_t height,
+                                                     std::uint32_t max_depth, std::uint64_t seed,
+                                                     std::uint32_t threads) {
+    RenderSettings settings;
+    settings.width = width;
+    settings.height = height;
+    settings.max_depth = max_depth;
+    settings.seed = seed;
+    settings.threads = threads;
+    const py::gil_scoped_release release;
+    return std::make_unique<InterruptibleRenderer>(std::move(scene), sampler, settings);
+}
+
+}  // namespace
+
+void bind_renderer(py::module_& module) {
+    py::class_<RenderStats>(module, "RenderStats")
+        .def_readonly("passes", &RenderStats::passes)
+        .def_readonly("seconds", &RenderStats::seconds)
+        .def_readonly("selection_seconds", &RenderStats::selection_seconds)
+        .def_readonly("selections", &RenderStats::selections)
+        .def_readonly("rays", &RenderStats::rays);
+    py::class_<MeanCounts>(module, "MeanCounts")
+        .def_readonly("nodes_visited", &MeanCounts::nodes_visited)
+        .def_readonly("lights_tested", &MeanCounts::lights_tested)
+        .def_readonly("accepted", &MeanCounts::accepted);
+    py::class_<InterruptibleRenderer>(module, "Renderer")
+        .def(py::init(&make_renderer), py::arg("scene"), py::arg("sampler"), py::arg("width"),
+             py::arg("height"), py::arg("max_depth"), py::arg("seed"), py::arg("threads"))
+        .def("render_pass", &InterruptibleRenderer::render_pass)
+        .def("image", &InterruptibleRenderer::image)
+        .def("stats", &InterruptibleRenderer::stats)
+        .def("mean_counts", &InterruptibleRenderer::mean_counts)
+        .def("setup_seconds", &InterruptibleRenderer::setup_seconds);
+}
+
+}  // namespace lightcull::python

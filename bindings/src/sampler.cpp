@@ -1,0 +1,252 @@
+#include "arrays.h"
+#include "module.h"
+#include "records.h"
+
+#include <lightcull/error.h>
+#include <lightcull/light.h>
+#include <lightcull/light_sampler.h>
+#include <lightcull/render/renderer.h>
+#include <lightcull/samplers.h>
+
+#include <cmath>
+#include <memory>
+#include <mutex>
+#include <shared_mutex>
+#include <string>
+#include <utility>
+
+namespace lightcull::python {
+namespace {
+
+using Points = std::vector<ShadingPoint>;
+
+/// A sampler that any number of Python threads may use: passes wait for the calls under way.
+class SharedSampler {
+  public:
+    SharedSampler(std::unique_ptr<LightSampler> sampler, std::size_t light_count)
+        : sampler_(std::move(sampler)), light_count_(light_count) {
+        sampler_->begin_pass(0);
+    }
+
+    void begin_pass(std::uint64_t pass) {
+        const py::gil_scoped_release release;
+        const std::unique_lock lock(mutex_);
+        sampler_->begin_pass(pass);
+    }
+
+    /// Calls action(sampler) without the GIL.
+    template <typename Action>
+    void use(const Action& action) const {
+        const py::gil_scoped_release release;
+        const std::shared_lock lock(mutex_);
+        action(*sampler_);
+    }
+
+    std::size_t light_count() const noexcept { return light_count_; }
+    std::uint32_t set_count() const noexcept { return sampler_->set_count(); }
+    bool prob_is_proxy() const noexcept { return sampler_->prob_is_proxy(); }
+
+  private:
+    std::unique_ptr<LightSampler> sampler_;
+    std::size_t light_count_;
+    mutable std::shared_mutex mutex_;
+};
+
+/// The hot calls check nothing, so everything is checked here.
+[[noreturn]] void throw_row_error(const char* name, std::size_t row, const std::string& problem) {
+    throw Error(std::string(name) + "[" + std::to_string(row) + "]: " + problem);
+}
+
+bool is_finite(const float3& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+bool is_unit_or_zero(const float3& v) {
+    const float length2 = v.x * v.x + v.y * v.y + v.z * v.z;
+    return length2 == 0.0f || std::abs(length2 - 1.0f) < 1e-3f;
+}
+
+Points points_from(const py::object& positions, const py::object& normals) {
+    const Rows<float3> position_rows(positions, "positions");
+    const auto normal_rows = Rows<float3>::optional(normals, "normals", position_rows.size());
+    const Span<const float3> p = position_rows.span(), n = normal_rows.span();
+    Points points(p.size());
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        if (!is_finite(p[i])) throw_row_error("positions", i, "not finite");
+        points[i].position = p[i];
+        if (n.empty()) continue;
+        if (!is_unit_or_zero(n[i])) throw_row_error("normals", i, "length is neither 1 nor 0");
+        points[i].normal = n[i];
+    }
+    return points;
+}
+
+void set_sets(Points& points, const py::object& sets, std::uint32_t set_count) {
+    const auto rows =
+        Rows<std::uint32_t>::optional(sets, "sets", static_cast<py::ssize_t>(points.size()));
+    const Span<const std::uint32_t> s = rows.span();
+    for (std::size_t i = 0; i < s.size(); ++i) {
+        if (s[i] >= set_count)
+            throw_row_error("sets", i, "not below set_count = " + std::to_string(set_count));
+        points[i].set = s[i];
+    }
+}
+
+/// Ids of lights, checked.
+Rows<std::uint32_t> light_ids(const py::object& ids, std::size_t count, std::size_t light_count) {
+    Rows<std::uint32_t> rows(ids, "lights", static_cast<py::ssize_t>(count));
+    for (std::size_t i = 0; i < rows.span().size(); ++i)
+        if (rows.span()[i] >= light_count)
+            throw_row_error("lights", i, "there are " + std::to_string(light_count) + " lights");
+    return rows;
+}
+
+/// Selections that came from select(), which may have been changed since.
+std::vector<Selection> selections_from(const py::object& array, Points& points,
+                                       const SharedSampler& sampler) {
+    const py::buffer_info info = read_array(
+        array, "selections", {selection_dtype(), {static_cast<py::ssize_t>(points.size())}});
+    const auto* first = static_cast<const Selection*>(info.ptr);
+    std::vector<Selection> selections(first, first + info.shape[0]);
+    for (std::size_t i = 0; i < selections.size(); ++i) {
+        if (selections[i].receipt.key >= sampler.set_count())
+            throw_row_error("selections", i, "the key is none of this sampler's");
+        if (selections[i].prob > 0.0f && selections[i].light >= sampler.light_count())
+            throw_row_error("selections", i, "the light is none of this sampler's");
+        points[i].set = selections[i].receipt.key;
+    }
+    return selections;
+}
+
+py::object select(const SharedSampler& sampler, const py::object& positions,
+                  const py::object& normals, const py::object& u, const py::object& sets) {
+    Points points = points_from(positions, normals);
+    set_sets(points, sets, sampler.set_count());
+    const auto count = static_cast<py::ssize_t>(points.size());
+    const Rows<float> numbers(u, "u", count);
+    for (std::size_t i = 0; i < numbers.span().size(); ++i)
+        if (!(numbers.span()[i] >= 0.0f && numbers.span()[i] < 1.0f))
+            throw_row_error("u", i, "not in [0, 1)");
+
+    py::object selections = new_array(py::make_tuple(count), selection_dtype());
+    const Span<Selection> result = elements<Selection>(selections);
+    sampler.use([&](const LightSampler& s) { s.select(points, numbers.span(), result); });
+    return selections;
+}
+
+py::object prob(const SharedSampler& sampler, const py::object& positions,
+                const py::object& normals, const py::object& selections, const py::object& lights) {
+    Points points = points_from(positions, normals);
+    const std::vector<Selection> selected = selections_from(selections, points, sampler);
+    const Rows<std::uint32_t> ids = light_ids(lights, points.size(), sampler.light_count());
+    py::object probs = new_array(py::make_tuple(points.size()), numpy_dtype(py::str("float32")));
+    const Span<float> result = elements<float>(probs);
+    sampler.use([&](const LightSampler& s) {
+        for (std::size_t i = 0; i < points.size(); ++i)
+            result[i] = s.prob(points[i], selected[i].receipt, ids.span()[i]);
+    });
+    return probs;
+}
+
+py::object vertex_prob(const SharedSampler& sampler, const py::object& positions,
+                       const py::object& normals, const py::object& selections,
+                       const py::object& vertices) {
+    Points points = points_from(positions, normals);
+    const std::vector<Selection> selected = selections_from(selections, points, sampler);
+    const Rows<float3> rows(vertices, "vertices", static_cast<py::ssize_t>(points.size()));
+    py::object probs = new_array(py::make_tuple(points.size()), numpy_dtype(py::str("float32")));
+    const Span<float> result = elements<float>(probs);
+    sampler.use([&](const LightSampler& s) {
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            const Selection& choice = selected[i];
+            result[i] = choice.prob > 0.0f
+                            ? s.vertex_prob(points[i], choice.receipt, choice.light, rows.span()[i])
+                            : 0.0f;
+        }
+    });
+    return probs;
+}
+
+py::object count(const SharedSampler& sampler, const py::object& positions,
+                 const py::object& normals, const py::object& sets) {
+    Points points = points_from(positions, normals);
+    set_sets(points, sets, sampler.set_count());
+    py::object counts = new_array(py::make_tuple(points.size()), counts_dtype());
+    const Span<SelectionCounts> result = elements<SelectionCounts>(counts);
+    sampler.use([&](const LightSampler& s) {
+        for (std::size_t i = 0; i < points.size(); ++i) result[i] = s.count(points[i]);
+    });
+    return counts;
+}
+
+py::object triangle_lights(const py::object& corners, const py::object& radiance, bool two_sided) {
+    const py::buffer_info info =
+        read_array(corners, "corners", {numpy_dtype(py::str("float32")), {-1, 3, 3}});
+    const auto* corner = static_cast<const float3*>(info.ptr);
+    const Rows<float> values(radiance, "radiance", info.shape[0]);
+    py::object lights = new_array(py::make_tuple(info.shape[0]), light_dtype());
+    const Span<Light> result = elements<Light>(lights);
+    for (std::size_t i = 0; i < result.size(); ++i)
+        result[i] = triangle_light(corner[3 * i], corner[3 * i + 1], corner[3 * i + 2],
+                                   values.span()[i], two_sided);
+    return lights;
+}
+
+py::object point_lights(const py::object& positions, const py::object& intensity) {
+    const Rows<float3> rows(positions, "positions");
+    const Rows<float> values(intensity, "intensity", rows.size());
+    py::object lights = new_array(py::make_tuple(rows.size()), light_dtype());
+    const Span<Light> result = elements<Light>(lights);
+    for (std::size_t i = 0; i < result.size(); ++i)
+        result[i] = point_light(rows.span()[i], values.span()[i]);
+    return lights;
+}
+
+std::unique_ptr<SharedSampler> sampler_of_lights(const py::object& lights,
+                                                 const std::string& description,
+                                                 const py::object& positions,
+                                                 const py::object& normals) {
+    const py::buffer_info info = read_array(lights, "lights", {light_dtype(), {-1}});
+    const Span<const Light> span(static_cast<const Light*>(info.ptr),
+                                 static_cast<std::size_t>(info.size));
+    const Points calibration = points_from(positions, normals);
+    const py::gil_scoped_release release;
+    return std::make_unique<SharedSampler>(make_sampler(description, span, {calibration, 0}),
+                                           span.size());
+}
+
+std::unique_ptr<SharedSampler> sampler_of_scene(const Scene& scene,
+                                                const std::string& description) {
+    const py::gil_scoped_release release;
+    return std::make_unique<SharedSampler>(make_scene_sampler(description, scene, {}),
+                                           scene.lights().size());
+}
+
+}  // namespace
+
+void bind_sampler(py::module_& module) {
+    module.attr("LIGHT") = light_dtype();
+    module.attr("SELECTION") = selection_dtype();
+    module.attr("COUNTS") = counts_dtype();
+    module.def("triangle_lights", &triangle_lights, py::arg("corners"), py::arg("radiance"),
+               py::arg("two_sided") = false,
+               "Lights for triangles, (N,) of dtype LIGHT. corners: float32 (N, 3, 3), metres; the "
+               "front is where they run anticlockwise. radiance: float32 (N,), luminance, "
+               "W/(m^2 sr).");
+    module.def("point_lights", &point_lights, py::arg("positions"), py::arg("intensity"),
+               "Lights for points, (N,) of dtype LIGHT. positions: float32 (N, 3), metres. "
+               "intensity: float32 (N,), luminance, W/sr.");
+    module.def("sampler_of_lights", &sampler_of_lights);
+    module.def("sampler_of_scene", &sampler_of_scene);
+    py::class_<SharedSampler>(module, "LightSampler")
+        .def("begin_pass", &SharedSampler::begin_pass)
+        .def("select", &select)
+        .def("prob", &prob)
+        .def("vertex_prob", &vertex_prob)
+        .def("count", &count)
+        .def("light_count", &SharedSampler::light_count)
+        .def("set_count", &SharedSampler::set_count)
+        .def("prob_is_proxy", &SharedSampler::prob_is_proxy);
+}
+
+}  // namespace lightcull::python

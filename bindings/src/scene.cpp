@@ -1,0 +1,114 @@
+#include <lightcull/render/scene.h>
+
+#include "arrays.h"
+#include "module.h"
+#include "records.h"
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+namespace lightcull::python {
+namespace {
+
+Texture texture_from_array(const py::object& texels, const char* name) {
+    Image image = image_from_array(texels, name);
+    return {image.width, image.height, std::move(image.pixels)};
+}
+
+MaterialId add_material(Scene& scene, bool metallic_roughness, const py::object& base_color,
+                        float metallic, float roughness, TextureId base_color_texture,
+                        TextureId metallic_roughness_texture) {
+    Material material;
+    material.kind = metallic_roughness ? MaterialKind::kMetallicRoughness : MaterialKind::kDiffuse;
+    material.base_color = float3_from(base_color, "base_color");
+    material.metallic = metallic;
+    material.roughness = roughness;
+    material.base_color_texture = base_color_texture;
+    material.metallic_roughness_texture = metallic_roughness_texture;
+    return scene.add_material(material);
+}
+
+MeshId add_mesh(Scene& scene, const std::string& name, const py::object& positions,
+                const py::object& indices, const py::object& normals, const py::object& uvs,
+                MaterialId material, const py::object& radiance, const py::object& face_radiance,
+                TextureId texture, bool two_sided) {
+    const Rows<float3> position_rows(positions, "positions");
+    const Rows<Triangle> triangles(indices, "indices");
+    const auto normal_rows = Rows<float3>::optional(normals, "normals", position_rows.size());
+    const auto uv_rows = Rows<float2>::optional(uvs, "uvs", position_rows.size());
+    const auto face_rows = Rows<float3>::optional(face_radiance, "radiance", triangles.size());
+
+    Mesh mesh;
+    mesh.name = name;
+    mesh.positions = position_rows.span();
+    if (!triangles.span().empty())
+        mesh.indices = {triangles.span().data()->data(), triangles.span().size() * 3};
+    mesh.normals = normal_rows.span();
+    mesh.uvs = uv_rows.span();
+    mesh.material = material;
+    mesh.emission.radiance = float3_from(radiance, "radiance");
+    mesh.emission.face_radiance = face_rows.span();
+    mesh.emission.texture = texture;
+    mesh.emission.two_sided = two_sided;
+    return scene.add_mesh(mesh);
+}
+
+void add_spot_light(Scene& scene, const py::object& position, const py::object& direction,
+                    const py::object& intensity, float inner, float outer) {
+    scene.add_spot_light(float3_from(position, "position"), float3_from(direction, "direction"),
+                         float3_from(intensity, "intensity"), inner, outer);
+}
+
+void set_environment(Scene& scene, const py::object& map, const py::object& scale, float rotation) {
+    scene.set_environment(
+        {texture_from_array(map, "environment"), float3_from(scale, "scale"), rotation});
+}
+
+void set_camera(Scene& scene, const py::object& origin, const py::object& target,
+                const py::object& up, float vertical_fov, float aperture_radius,
+                float focus_distance) {
+    Camera camera;
+    camera.origin = float3_from(origin, "origin");
+    camera.target = float3_from(target, "target");
+    camera.up = float3_from(up, "up");
+    camera.vertical_fov = vertical_fov;
+    camera.aperture_radius = aperture_radius;
+    camera.focus_distance = focus_distance;
+    scene.set_camera(camera);
+}
+
+py::object lights_of(const Scene& scene) {
+    const Span<const Light> lights = scene.lights();
+    py::object array = new_array(py::make_tuple(lights.size()), light_dtype());
+    std::copy(lights.begin(), lights.end(), elements<Light>(array).begin());
+    return array;
+}
+
+}  // namespace
+
+void bind_scene(py::module_& module) {
+    module.attr("NO_TEXTURE") = kNoTexture;
+    py::class_<Scene, std::shared_ptr<Scene>>(module, "Scene")
+        .def(py::init<>())
+        .def("add_texture",
+             [](Scene& scene, const py::object& texels) {
+                 return scene.add_texture(texture_from_array(texels, "texture"));
+             })
+        .def("add_material", &add_material)
+        .def("add_mesh", &add_mesh)
+        .def("add_point_light",
+             [](Scene& scene, const py::object& position, const py::object& intensity) {
+                 scene.add_point_light(float3_from(position, "position"),
+                                       float3_from(intensity, "intensity"));
+             })
+        .def("add_spot_light", &add_spot_light)
+        .def("set_environment", &set_environment)
+        .def("set_camera", &set_camera)
+        .def("commit", &Scene::commit, py::call_guard<py::gil_scoped_release>())
+        .def("lights", &lights_of)
+        .def("triangle_count", &Scene::triangle_count)
+        .def("has_environment", &Scene::has_environment);
+}
+
+}  // namespace lightcull::python
