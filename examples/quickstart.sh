@@ -9,6 +9,6 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
 output=$root/build/quickstart
 "$root/build/venv/bin/lightcull" compare lanterns --samplers uniform,culled --seconds 20 \
-    --size 320x240 --max-depth 2 -o "$output/"
+    --reference-seconds 120 --size 320x240 --max-depth 2 -o "$output/"
 
 echo "The report, to be opened in a browser: $output/index.html"

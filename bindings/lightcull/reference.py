@@ -22,6 +22,8 @@ from .scene import Scene
 
 ReferenceProgress: TypeAlias = Callable[[float, int, float], None]
 
+_CULLED, _CLUSTERS = "culled", "light_bvh:importance=means"
+"""The samplers of least noise for many lights."""
 _FEW_LIGHTS = 200
 """With so few, weighing all of them for each point costs little."""
 _SEEDS = (0x52454641, 0x52454642)
@@ -57,10 +59,10 @@ def samplers_of_reference(under_test: Sequence[str], light_count: int) -> tuple[
     what one has wrong shows as noise of the reference.
     """
     best_first = ["exhaustive"] if light_count <= _FEW_LIGHTS else []
-    best_first += ["culled", "light_bvh"]
+    best_first += [_CULLED, _CLUSTERS]
     families = {description.split(":")[0] for description in under_test}
-    free = [name for name in best_first if name not in families]
-    return (free[0], free[0]) if free else ("culled", "light_bvh")
+    free = [sampler for sampler in best_first if sampler.split(":")[0] not in families]
+    return (free[0], free[0]) if free else (_CULLED, _CLUSTERS)
 
 
 def reference_for(order: ReferenceOrder, progress: ReferenceProgress) -> Reference:

@@ -170,7 +170,7 @@ def _glaze_windows(town: Town, chance: Chance, face: Face, grid: Grid) -> None:
     color = blackbody(chance.uniform(2300.0, 3900.0, count))
     cool = chance.uniform(shape=count) < 0.12
     color[cool] = blackbody(chance.uniform(5000.0, 7500.0, int(cool.sum())))
-    radiance = with_luminance(color, 2.0 * chance.log_normal(0.8, count))
+    radiance = with_luminance(color, 0.9 * chance.log_normal(0.8, count))
     room = chance.pick(np.arange(town.rooms.count), count)
     town.windows.add(upper[lit], radiance, town.rooms.uvs(room, 0.5, 1.0))
     town.windows.add(lower[lit], radiance, town.rooms.uvs(room, 0.0, 0.5))
@@ -182,7 +182,7 @@ def _glaze_shops(town: Town, chance: Chance, face: Face, grid: Grid) -> None:
     panes = face.rectangles(left, right, low, high, 0.04 - REVEAL)
     count = int(lit.sum())
     color = blackbody(chance.uniform(2500.0, 5200.0, count))
-    radiance = with_luminance(color, 3.0 * chance.log_normal(0.5, count))
+    radiance = with_luminance(color, 1.6 * chance.log_normal(0.5, count))
     goods = chance.pick(np.arange(town.goods.count), count)
     town.glass.append(panes[~lit])
     town.shops.add(panes[lit], radiance, town.goods.uvs(goods))
@@ -261,7 +261,7 @@ def _add_town(scene: Scene, town: Town) -> None:
     for code, walls, bodies in zip(BRICKS, town.walls, town.bodies):
         shape = geometry.merge((geometry.quads(np.concatenate(walls)), *bodies))
         filling.add(scene, f"houses {code}", shape, filling.diffuse(scene, from_srgb(code)))
-    glass = filling.glossy(scene, np.full(3, 0.02), roughness=0.12)
+    glass = filling.glossy(scene, np.full(3, 0.02), roughness=0.25)
     filling.add(scene, "dark windows", geometry.quads(np.concatenate(town.glass)), glass)
     cloth = filling.diffuse(scene, from_srgb("#7d2f2a"))
     filling.add(scene, "awnings", geometry.quads(np.concatenate(town.awnings)), cloth)
@@ -277,7 +277,7 @@ def _add_town(scene: Scene, town: Town) -> None:
 
 def _add_ground(scene: Scene, centres: np.ndarray) -> None:
     reach = BLOCKS * PITCH / 2 + STREET
-    asphalt = filling.glossy(scene, from_srgb("#5c5d61"), roughness=0.38)
+    asphalt = filling.diffuse(scene, from_srgb("#5c5d61"))
     road = geometry.quad((-reach, 0, reach), (2 * reach, 0, 0), (0, 0, -2 * reach))
     filling.add(scene, "road", road, asphalt)
 
@@ -338,7 +338,7 @@ def _add_lamps(scene: Scene, chance: Chance, centres: np.ndarray) -> None:
         chance.uniform(0, 2 * np.pi, len(places)),
     )  # fmt: skip
     color = blackbody(np.where(chance.uniform(shape=len(places)) < 0.8, 2600.0, 3900.0))
-    radiance = with_luminance(color, 45.0 * chance.log_normal(0.4, len(places)))
+    radiance = with_luminance(color, 90.0 * chance.log_normal(0.4, len(places)))
     filling.add_lights(scene, "lamps", globes, np.repeat(radiance, 20, axis=0))
 
 

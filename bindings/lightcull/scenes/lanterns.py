@@ -1,4 +1,4 @@
-"""An inn about two courtyards at night, two storeys of arcades and rooms, hung with 2,736 lanterns.
+"""A palace of four courtyards at night, hung with 2,736 lanterns; the camera is in one of them.
 
 Each lantern is an icosahedron of 20 lights; its power is log-normal.
 """
@@ -18,20 +18,22 @@ from .plants import leafy_balls
 if TYPE_CHECKING:
     from lightcull import Scene
 
-STRINGS, PER_STRING = 3, 14
+STRINGS, PER_STRING = 2, 12
 """In each court."""
 LANTERNS = 2736
 POWER_SIGMA = 1.5
 
 HALF_WIDTH, HALF_LENGTH = 12.0, 9.0
 """Of a court between the columns, along x and z."""
-BAY, DEPTH, ROOM = 3.0, 3.2, 3.4
-"""Width of a bay, depth of the arcades, and of the rooms behind them."""
-DOOR_WIDTH, DOOR_HEIGHT = 1.0, 2.2
+BAY, DEPTH, WALL = 3.0, 3.2, 0.4
+"""Width of a bay, depth of the arcades, and of the wall behind them."""
 STOREYS = ((0.0, 4.4), (4.7, 8.2))
 """Floor and ceiling of each."""
 COLUMN_RADIUS = 0.2
-COURTS = np.array([(0.0, 0.0, 0.0), (0.0, 0.0, -2 * (HALF_LENGTH + DEPTH + ROOM) - 0.6)])
+COURTS = np.array(
+    [(x, 0.0, z) for x in (0.0, 2 * (HALF_WIDTH + DEPTH + WALL))
+     for z in (0.0, -2 * (HALF_LENGTH + DEPTH + WALL))]
+)  # fmt: skip
 """Their centres; the camera is in the first."""
 
 
@@ -42,7 +44,7 @@ def fill(scene: Scene) -> None:
     crowns = _add_trees(scene, chance)
     _add_lanterns(scene, chance, crowns)
     scene.set_camera(
-        origin=(8.4, 1.7, 8.5), target=(10.3, 3.1, -6.0), vertical_fov=np.radians(58.0)
+        origin=(8.0, 1.7, 8.6), target=(10.0, 2.95, -6.0), vertical_fov=np.radians(58.0)
     )
 
 
@@ -156,17 +158,14 @@ def _add_architecture(scene: Scene, chance: Chance) -> None:
     filling.add(scene, "columns", _around_courts(geometry.merge(columns)), trim)
     filling.add(scene, "balustrade", _around_courts(_balustrade(gallery)), trim)
 
-    back = DEPTH + ROOM
-    floors = [_ring(-0.28, back, ceiling, gallery), _ring(-0.28, back, eaves, eaves + 0.3)]
+    floors = [_ring(-0.28, DEPTH, ceiling, gallery), _ring(-0.28, DEPTH, eaves, eaves + 0.3)]
     filling.add(scene, "floors", geometry.merge(floors), trim)
-    rooms = [_room_walls(low, ceiling), _room_walls(gallery, eaves)]
-    filling.add(scene, "rooms", _around_courts(geometry.merge(rooms)), wall)
-    filling.add(scene, "back walls", _ring(back, back + 0.3, 0.0, eaves + 0.3), wall)
+    filling.add(scene, "walls", _ring(DEPTH, DEPTH + WALL, 0.0, eaves + 0.3), wall)
     doors = geometry.merge((_door(low), _door(gallery)))
     filling.add(scene, "doors", _around_courts(doors), wood)
     filling.add(scene, "roof", _roof(eaves + 0.3), tiles)
 
-    across, along = HALF_WIDTH + back, HALF_LENGTH + back
+    across, along = HALF_WIDTH + DEPTH, HALF_LENGTH + DEPTH
     ground = geometry.quad(
         (-across, 0.0, along), (2 * across, 0, 0), (0, 0, -2 * along),
         (across / 2.4, along / 2.4),
@@ -174,40 +173,29 @@ def _add_architecture(scene: Scene, chance: Chance) -> None:
     filling.add(scene, "ground", _in_courts(ground), filling.diffuse(scene, np.ones(3), _paving(chance)))
 
 
-def _room_walls(floor: float, ceiling: float) -> Shape:
-    """The front wall of a room, with a doorway, and the wall between it and the next."""
-    half, front, back = BAY / 2, -DEPTH - 0.25, -DEPTH
-    jamb, lintel = DOOR_WIDTH / 2, floor + DOOR_HEIGHT
-    return geometry.merge(
-        (
-            geometry.box((-half, floor, front), (-jamb, ceiling, back)),
-            geometry.box((jamb, floor, front), (half, ceiling, back)),
-            geometry.box((-jamb, lintel, front), (jamb, ceiling, back)),
-            geometry.box((half - 0.1, floor, -DEPTH - ROOM), (half + 0.1, ceiling, front)),
-        )
-    )
-
-
 def _door(floor: float) -> Shape:
-    """A frame, and two leaves that stand open into the room."""
-    jamb, top = DOOR_WIDTH / 2, floor + DOOR_HEIGHT
-    leaf = geometry.box((0.0, floor + 0.02, -0.04), (jamb - 0.02, top - 0.02, 0.0))
-    hinge = -DEPTH - 0.25
-    frame = 0.09
-    return geometry.merge(
-        (
-            leaf.turned(np.radians(105)).moved(-jamb, 0.0, hinge),
-            leaf.turned(np.radians(60)).moved(jamb - 0.04, 0.0, hinge - 0.02),
-            geometry.box((-jamb - frame, floor, -DEPTH), (-jamb, top + frame, -DEPTH + 0.05)),
-            geometry.box((jamb, floor, -DEPTH), (jamb + frame, top + frame, -DEPTH + 0.05)),
-            geometry.box((-jamb, top, -DEPTH), (jamb, top + frame, -DEPTH + 0.05)),
-        )
-    )
+    """A door of two panelled leaves in a frame."""
+    half, top, back = 0.62, floor + 2.3, -DEPTH
+    parts = [
+        geometry.box((-half - 0.12, floor, back), (-half, top + 0.12, back + 0.1)),
+        geometry.box((half, floor, back), (half + 0.12, top + 0.12, back + 0.1)),
+        geometry.box((-half, top, back), (half, top + 0.12, back + 0.1)),
+    ]
+    for left in (-half, 0.01):
+        right = left + half - 0.01
+        parts.append(geometry.box((left, floor, back), (right, top, back + 0.03)))
+        for low, high in ((0.15, 0.95), (1.1, 2.15)):
+            parts.append(
+                geometry.box(
+                    (left + 0.1, floor + low, back), (right - 0.1, floor + high, back + 0.055)
+                )
+            )
+    return geometry.merge(parts)
 
 
 def _roof(eaves: float) -> Shape:
     """A slope of round tiles towards the court on each side."""
-    rise, depth, overhang = 2.2, DEPTH + ROOM + 0.3, 0.5
+    rise, depth, overhang = 1.5, DEPTH + WALL, 0.5
     tile = 0.3
     columns = 8 * int(round(BAY / tile)) + 1
     x = np.linspace(-BAY / 2, BAY / 2, columns)
@@ -270,12 +258,12 @@ def _add_trees(scene: Scene, chance: Chance) -> np.ndarray:
 def _add_lanterns(scene: Scene, chance: Chance, crowns: np.ndarray) -> None:
     radii = chance.uniform(0.06, 0.11, LANTERNS)
     over_court, strings = _strings(chance)
-    in_bays = _on_ceilings(chance, -DEPTH / 2, 2)
-    in_rooms = _on_ceilings(chance, -DEPTH - ROOM / 2, 6)
-    hung = np.concatenate((over_court, in_bays, in_rooms))
-    lowest = np.repeat((0.5, 1.3, 1.6), (len(over_court), len(in_bays), len(in_rooms)))
+    in_bays = _in_bays(chance)
+    hung = np.concatenate((over_court, in_bays))
     drop = np.zeros_like(hung)
-    drop[:, 1] = 0.2 + (lowest - 0.2) * chance.uniform(shape=len(hung))
+    drop[:, 1] = np.concatenate(
+        (chance.uniform(0.2, 0.5, len(over_court)), chance.uniform(0.2, 1.3, len(in_bays)))
+    )
     centres = [hung - drop, _on_columns(chance), _on_arches(), _on_balustrade()]
     centres.append(_in_trees(chance, crowns))
     standing = LANTERNS - sum(map(len, centres))
@@ -299,7 +287,7 @@ def _radiance(chance: Chance, radii: np.ndarray) -> np.ndarray:
     tint[odd] = chance.pick(
         np.array([from_srgb("#ff4f86"), from_srgb("#58d0c0"), from_srgb("#9d7bff")]), odd.sum()
     )
-    power = 0.8 * chance.log_normal(POWER_SIGMA, LANTERNS)
+    power = 1.6 * chance.log_normal(POWER_SIGMA, LANTERNS)
     # A sphere's M = pi L over its area; the icosahedron has four fifths of it.
     return with_luminance(tint, power / (np.pi * 4 * np.pi * radii**2))
 
@@ -307,18 +295,19 @@ def _radiance(chance: Chance, radii: np.ndarray) -> np.ndarray:
 def _strings(chance: Chance) -> tuple[np.ndarray, np.ndarray]:
     """Points that lanterns hang from (K, 3), and the strings across the courts (S, P, 3)."""
     count = STRINGS * len(COURTS)
-    middle_z = np.linspace(-0.6, 0.6, STRINGS) * HALF_LENGTH
+    middle_z = np.linspace(-0.5, 0.5, STRINGS) * HALF_LENGTH
+    x = np.repeat(COURTS[:, 0], STRINGS)
     z = (COURTS[:, 2:] + middle_z).ravel()
     slant = np.where(np.arange(count) % 2, 1.0, -1.0) * chance.uniform(0.5, 3.0, count)
     ends_z = np.stack((z - slant, z + slant))
-    ends_y = chance.uniform(6.0, 7.4, (2, count))
+    ends_y = chance.uniform(5.4, 6.8, (2, count))
     sag = chance.uniform(1.0, 2.0, count)
 
     def along(s: np.ndarray) -> np.ndarray:
-        x = np.broadcast_to(HALF_WIDTH * (2 * s - 1), (count, len(s)))
+        across = x[:, None] + HALF_WIDTH * (2 * s - 1)
         y = ends_y[0][:, None] * (1 - s) + ends_y[1][:, None] * s
         y = y - 4 * sag[:, None] * s * (1 - s)
-        return np.stack((x, y, ends_z[0][:, None] * (1 - s) + ends_z[1][:, None] * s), axis=-1)
+        return np.stack((across, y, ends_z[0][:, None] * (1 - s) + ends_z[1][:, None] * s), axis=-1)
 
     places = along((np.arange(PER_STRING) + 0.5) / PER_STRING)
     return places.reshape(-1, 3), along(np.linspace(0, 1, 25))
@@ -338,16 +327,16 @@ def _places_around_courts(x: float, y: float, z: float) -> np.ndarray:
     return _around_courts(Shape(np.array([(x, y, z)]), np.zeros((0, 3), dtype=np.uint32))).positions
 
 
-def _on_ceilings(chance: Chance, z: float, each: int) -> np.ndarray:
-    """Points on the ceilings of both storeys, `each` to a bay, about z metres from the columns."""
-    middles = [_places_around_courts(0.0, ceiling, z) for _, ceiling in STOREYS]
-    return _around(chance, np.concatenate(middles), each, 0.0, 1.2)
+def _in_bays(chance: Chance) -> np.ndarray:
+    """Points on the ceilings of the arcades."""
+    middles = [_places_around_courts(0.0, ceiling, -DEPTH / 2) for _, ceiling in STOREYS]
+    return _around(chance, np.concatenate(middles), 1, 0.0, 1.0)
 
 
 def _on_columns(chance: Chance) -> np.ndarray:
     """Garlands wound around the columns of the ground floor."""
     feet = _places_around_courts(-BAY / 2, 0.0, 0.0)
-    each = 8
+    each = 6
     turn = np.tile(np.arange(each) / each, len(feet))
     angle = 2 * np.pi * 2.0 * turn + np.repeat(chance.uniform(0, 2 * np.pi, len(feet)), each)
     height = 0.55 + 2.0 * turn
@@ -358,7 +347,7 @@ def _on_columns(chance: Chance) -> np.ndarray:
 
 def _on_arches() -> np.ndarray:
     """Lanterns along the edges of the arches, on the side of the court."""
-    angle = np.pi * (np.arange(5) + 0.5) / 5
+    angle = np.pi * (np.arange(4) + 0.5) / 4
     reach = BAY / 2 - COLUMN_RADIUS + 0.16
     rows = []
     for spring in (STOREYS[0][0] + 2.9, STOREYS[1][0] + 2.1):
@@ -369,20 +358,20 @@ def _on_arches() -> np.ndarray:
 
 def _on_balustrade() -> np.ndarray:
     """Lanterns along the rail of the gallery, in swags on the side of the court."""
-    x = np.linspace(-1.2, 1.2, 4)
+    x = np.linspace(-0.8, 0.8, 2)
     heights = STOREYS[1][0] + 0.5 + 0.2 * (x / 1.2) ** 2
     return np.concatenate([_places_around_courts(a, b, 0.26) for a, b in zip(x, heights)])
 
 
 def _in_trees(chance: Chance, crowns: np.ndarray) -> np.ndarray:
-    out = chance.directions(8 * len(crowns))
-    return np.repeat(crowns, 8, axis=0) + out * chance.uniform(0.75, 0.95, len(out))[:, None]
+    out = chance.directions(4 * len(crowns))
+    return np.repeat(crowns, 4, axis=0) + out * chance.uniform(0.75, 0.95, len(out))[:, None]
 
 
 def _on_the_ground(chance: Chance, radii: np.ndarray) -> np.ndarray:
     """Lanterns that stand at the feet of the columns, about the fountains and along a path."""
     feet = _places_around_courts(-BAY / 2, 0.0, 0.35)
-    at_columns = _around(chance, feet, 2, 0.25, 0.75)
+    at_columns = _around(chance, feet, 1, 0.25, 0.75)
     each = (len(radii) - len(at_columns)) // len(COURTS)
     ring = each // 3
     angle = 2 * np.pi * np.arange(ring) / ring
