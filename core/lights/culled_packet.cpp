@@ -9,6 +9,7 @@
 
 #include "lights/culled_packet.h"
 #include "lights/reservoir.h"
+#include "lights/sphere_tree_traverse.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace lightcull {
@@ -176,12 +177,10 @@ HWY_ATTR void select_packet_here(const CullingTree& culling, const PointPacket& 
     const SphereTree& tree = culling.tree();
     const float* radii = culling.radii(points.set);
     constexpr std::size_t kWidth = SphereNode::kWidth;
-    constexpr std::size_t kStackSize = SphereTree::kMaxDepth * (kWidth - 1) + 1;
-    std::uint32_t stack[kStackSize];
-    std::size_t stack_size = 0;
-    if (!tree.empty()) stack[stack_size++] = 0;
-    while (stack_size > 0) {
-        const std::uint32_t n = stack[--stack_size];
+    TreeWalk walk;
+    if (!tree.empty()) walk.stack[walk.stack_size++] = 0;
+    while (walk.stack_size > 0) {
+        const std::uint32_t n = walk.stack[--walk.stack_size];
         const SphereNode& node = tree.nodes[n];
         const float* node_radii = radii + n * kWidth;
         for (std::uint32_t slot = 0; slot < kWidth; ++slot) {
@@ -192,11 +191,11 @@ HWY_ATTR void select_packet_here(const CullingTree& culling, const PointPacket& 
                 weigh(culling, points, link & ~SphereNode::kLeaf, choice);
                 continue;
             }
-            assert(stack_size < kStackSize);
+            assert(walk.stack_size < TreeWalk::kStackSize);
             hwy::Prefetch(tree.nodes[link].x);
             hwy::Prefetch(tree.nodes[link].z);
             hwy::Prefetch(radii + link * kWidth);
-            stack[stack_size++] = link;
+            walk.stack[walk.stack_size++] = link;
         }
     }
 }

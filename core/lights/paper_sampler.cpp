@@ -142,7 +142,8 @@ class PaperSampler final : public LightSampler {
         return selection(reservoir, point.set, list.keep_prob());
     }
 
-    Selection selection(const Reservoir& reservoir, std::uint32_t set, float keep_prob) const noexcept {
+    Selection selection(const Reservoir& reservoir, std::uint32_t set,
+                        float keep_prob) const noexcept {
         const Receipt receipt{reservoir.weight_sum(), set};
         if (!reservoir.chosen()) return {0, 0.0f, receipt};
         return {tree_.to_light(reservoir.light()), keep_prob * reservoir.prob(), receipt};

@@ -21,9 +21,9 @@ class RandomRanges {
     /// Eq. 7 is reach * intensity.
     RandomRanges(float reach, std::uint32_t set_count) : reach_(reach), ranks_(set_count) {
         const std::uint32_t log4_sets = log4_of(set_count);
-        const std::uint32_t shift = 32 - 2 * log4_sets;
         for (std::uint32_t set = 0; set < set_count; ++set) {
-            ranks_[set] = set_count == 1 ? 0 : rank_of_set(set, log4_sets) << shift;
+            const std::uint64_t rank = rank_of_set(set, log4_sets);
+            ranks_[set] = static_cast<std::uint32_t>((rank << 32) / set_count);
         }
     }
 

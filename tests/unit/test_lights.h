@@ -36,6 +36,8 @@ inline std::vector<Light> mixed_lights(std::uint32_t count, std::uint64_t seed,
         const float3 a = random_in_box(random, 1.0f);
         const float3 d = random_direction(random), e = random_direction(random);
         const float intensity = std::exp(spread * random.next());
+        const Light triangle =
+            triangle_light(a, a + d * 0.1f, a + e * 0.1f, intensity * 100.0f, i % 5 == 2);
         switch (i % 5) {
             case 0:
                 lights.push_back(point_light(a, intensity));
@@ -43,12 +45,8 @@ inline std::vector<Light> mixed_lights(std::uint32_t count, std::uint64_t seed,
             case 1:
                 lights.push_back(spot_light(a, d, intensity, 0.4f, 0.9f));
                 break;
-            case 2:
-                lights.push_back(
-                    triangle_light(a, a + d * 0.1f, a + e * 0.1f, intensity * 100.0f, true));
-                break;
             default:
-                lights.push_back(triangle_light(a, a + d * 0.1f, a + e * 0.1f, intensity * 100.0f));
+                lights.push_back(triangle);
         }
     }
     return lights;

@@ -28,6 +28,8 @@ LOT = BLOCK / LOTS
 ROAD = 11.0
 """Width of the carriageway; what is left of the street is pavement."""
 KERB = 0.15
+VISTA = -82.0
+"""z of the front of the tower that closes the camera's street."""
 LAMPS_PER_BLOCK = 5
 """On each side of a street."""
 SHOP_HEIGHT, FLOOR_HEIGHT = 4.6, 3.3
@@ -84,6 +86,7 @@ def fill(scene: Scene) -> None:
     for z in centres:
         for x in centres:
             _build_block(town, chance, x, z)
+    _build_house(town, chance, np.array((-LOT / 2, VISTA - LOT)), 17, ["south"])
     _add_town(scene, town)
     _add_ground(scene, centres)
     _add_lamps(scene, chance, centres)
@@ -170,7 +173,7 @@ def _glaze_windows(town: Town, chance: Chance, face: Face, grid: Grid) -> None:
     color = blackbody(chance.uniform(2300.0, 3900.0, count))
     cool = chance.uniform(shape=count) < 0.12
     color[cool] = blackbody(chance.uniform(5000.0, 7500.0, int(cool.sum())))
-    radiance = with_luminance(color, 0.9 * chance.log_normal(0.8, count))
+    radiance = with_luminance(color, 1.5 * chance.log_normal(0.8, count))
     room = chance.pick(np.arange(town.rooms.count), count)
     town.windows.add(upper[lit], radiance, town.rooms.uvs(room, 0.5, 1.0))
     town.windows.add(lower[lit], radiance, town.rooms.uvs(room, 0.0, 0.5))
@@ -182,7 +185,7 @@ def _glaze_shops(town: Town, chance: Chance, face: Face, grid: Grid) -> None:
     panes = face.rectangles(left, right, low, high, 0.04 - REVEAL)
     count = int(lit.sum())
     color = blackbody(chance.uniform(2500.0, 5200.0, count))
-    radiance = with_luminance(color, 1.6 * chance.log_normal(0.5, count))
+    radiance = with_luminance(color, 1.9 * chance.log_normal(0.5, count))
     goods = chance.pick(np.arange(town.goods.count), count)
     town.glass.append(panes[~lit])
     town.shops.add(panes[lit], radiance, town.goods.uvs(goods))
@@ -211,7 +214,7 @@ def _hang_sign(town: Town, chance: Chance, face: Face) -> None:
         outline = outline[::-1]
     town.signs.append(geometry.prism(outline, KERB + bottom, KERB + bottom + height))
     color = from_srgb(NEON[int(chance.uniform(0, len(NEON)))])
-    town.sign_radiance.append(with_luminance(color, chance.uniform(0.8, 2.4)))
+    town.sign_radiance.append(with_luminance(color, chance.uniform(1.2, 3.6)))
 
 
 def _signed_area(outline: np.ndarray) -> float:
@@ -261,7 +264,7 @@ def _add_town(scene: Scene, town: Town) -> None:
     for code, walls, bodies in zip(BRICKS, town.walls, town.bodies):
         shape = geometry.merge((geometry.quads(np.concatenate(walls)), *bodies))
         filling.add(scene, f"houses {code}", shape, filling.diffuse(scene, from_srgb(code)))
-    glass = filling.glossy(scene, np.full(3, 0.02), roughness=0.25)
+    glass = filling.glossy(scene, np.full(3, 0.02), roughness=0.03)
     filling.add(scene, "dark windows", geometry.quads(np.concatenate(town.glass)), glass)
     cloth = filling.diffuse(scene, from_srgb("#7d2f2a"))
     filling.add(scene, "awnings", geometry.quads(np.concatenate(town.awnings)), cloth)
@@ -298,7 +301,7 @@ def _markings() -> Shape:
     """Dashes along the camera's street, and zebra crossings at its corners."""
     corner_z = (np.arange(BLOCKS + 1) - BLOCKS / 2) * PITCH
     marks = []
-    for z in np.arange(-BLOCKS * PITCH / 2, BLOCKS * PITCH / 2, 6.0):
+    for z in np.arange(VISTA + 1, BLOCKS * PITCH / 2, 6.0):
         if np.abs(corner_z - (z + 1.5)).min() > STREET / 2 + 3.5:
             marks.append(_mark(0.0, z + 1.5, 0.08, 1.5))
     for z in corner_z:
@@ -327,8 +330,10 @@ def _add_lamps(scene: Scene, chance: Chance, centres: np.ndarray) -> None:
                     places.append((street + side, KERB, block + step))
                     places.append((block + step, KERB, street + side))
     places = np.array(places)
+    in_tower = (np.abs(places[:, 0]) < LOT / 2) & (np.abs(places[:, 2] - VISTA + LOT / 2) < LOT / 2 + 1)
+    places = places[~in_tower]
 
-    radius, top = 0.23, 4.0
+    radius, top = 0.27, 4.0
     post = [(0.2, 0.0), (0.2, 0.25), (0.1, 0.4), (0.07, 0.9), (0.05, top - 0.2), (0.12, top - 0.1),
             (0.12, top - 0.02), (0.0, top)]  # fmt: skip
     iron = filling.diffuse(scene, np.full(3, 0.05))
@@ -338,13 +343,13 @@ def _add_lamps(scene: Scene, chance: Chance, centres: np.ndarray) -> None:
         chance.uniform(0, 2 * np.pi, len(places)),
     )  # fmt: skip
     color = blackbody(np.where(chance.uniform(shape=len(places)) < 0.8, 2600.0, 3900.0))
-    radiance = with_luminance(color, 90.0 * chance.log_normal(0.4, len(places)))
+    radiance = with_luminance(color, 120.0 * chance.log_normal(0.4, len(places)))
     filling.add_lights(scene, "lamps", globes, np.repeat(radiance, 20, axis=0))
 
 
 def _add_cars(scene: Scene, chance: Chance) -> None:
     """Cars parked along the camera's street, and some that drive there with their lights on."""
-    parked_z = np.arange(-200.0, 210.0, 7.5)
+    parked_z = np.arange(VISTA + 10, 210.0, 7.5)
     corner_z = (np.arange(BLOCKS + 1) - BLOCKS / 2) * PITCH
     clear = np.abs(parked_z[:, None] - corner_z).min(axis=1) > STREET / 2 + 6
     cars = []
@@ -353,7 +358,7 @@ def _add_cars(scene: Scene, chance: Chance) -> None:
         cars += [(side * (ROAD / 2 - 1.15), 0.0, at + chance.uniform(-0.8, 0.8)) for at in z]
     # None where the camera would look through it.
     parked = np.array([car for car in cars if car[0] > 0 or not 84.0 < car[2] < 102.0])
-    driving = np.array([(1.75, 0.0, 79.0), (1.75, 0.0, 24.0), (1.8, 0.0, -41.0), (1.7, 0.0, -96.0),
+    driving = np.array([(1.75, 0.0, 79.0), (1.75, 0.0, 24.0), (1.8, 0.0, -41.0),
                         (-1.7, 0.0, 58.0), (-1.75, 0.0, -15.0), (-1.7, 0.0, -60.0)])  # fmt: skip
     places = np.concatenate((parked, driving))
     # Those on the right go away from the camera, towards -Z; they are built facing +Z.
@@ -384,8 +389,8 @@ def _add_cars(scene: Scene, chance: Chance) -> None:
 
     turns = yaws[len(parked) :]
     for name, z, facing, color, luminance in (
-        ("headlamps", 2.22, 1.0, blackbody(np.array(4300.0)), 40.0),
-        ("tail lamps", -2.17, -1.0, from_srgb("#ff1a10"), 6.0),
+        ("headlamps", 2.22, 1.0, blackbody(np.array(4300.0)), 60.0),
+        ("tail lamps", -2.17, -1.0, from_srgb("#ff1a10"), 9.0),
     ):
         lamp = geometry.merge(
             [geometry.quad((x - 0.17 * facing, 0.5, z), (0.34 * facing, 0, 0), (0, 0.14, 0))
@@ -396,7 +401,7 @@ def _add_cars(scene: Scene, chance: Chance) -> None:
 
 
 def _add_trees(scene: Scene, chance: Chance) -> None:
-    z = np.concatenate([(np.arange(3) + 0.5) * 14.0 - 21.0 + block for block in (-108, -36, 36, 108)])
+    z = np.concatenate([(np.arange(3) + 0.5) * 14.0 - 21.0 + block for block in (-36, 36, 108)])
     places = np.array([(side * (ROAD / 2 + 0.9), KERB, at + 3.4) for at in z for side in (-1, 1)])
     trunk = geometry.lathe([(0.14, 0.0), (0.09, 3.4)], 8)
     bark = filling.diffuse(scene, from_srgb("#4b3d33"))
