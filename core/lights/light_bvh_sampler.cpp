@@ -5,6 +5,7 @@
 
 #include "lights/light_bvh.h"
 #include "lights/light_bvh_traverse.h"
+#include "lights/parallel_blocks.h"
 #include "lights/refine.h"
 
 namespace lightcull {
@@ -31,16 +32,14 @@ class LightBvhSampler final : public LightSampler {
             std::fill(selections.begin(), selections.end(), Selection{});
             return;
         }
-        std::array<LightBvhDescent, kMaxDescents> descents;
-        for (std::size_t begin = 0; begin < points.size(); begin += descents.size()) {
-            const std::size_t count = std::min(points.size() - begin, descents.size());
-            for (std::size_t i = 0; i < count; ++i) {
-                const ShadingPoint& point = points[begin + i];
-                descents[i] = {to_local(point), refine(u[begin + i], point)};
+        constexpr std::size_t kBlock = 16 * kMaxDescents;
+        for_each_block(points.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+            for (; begin < end; begin += kMaxDescents) {
+                const std::size_t count = std::min(end - begin, kMaxDescents);
+                select_some({points.data() + begin, count}, u.data() + begin,
+                            selections.data() + begin);
             }
-            descend(bvh_, {descents.data(), count});
-            for (std::size_t i = 0; i < count; ++i) selections[begin + i] = result(descents[i]);
-        }
+        });
     }
 
     float prob(const ShadingPoint& point, const Receipt&,
@@ -65,6 +64,17 @@ class LightBvhSampler final : public LightSampler {
     }
 
   private:
+    /// At most kMaxDescents points, in turn, so that one waits for memory while others compute.
+    void select_some(Span<const ShadingPoint> points, const float* u,
+                     Selection* selections) const noexcept {
+        std::array<LightBvhDescent, kMaxDescents> descents;
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            descents[i] = {to_local(points[i]), refine(u[i], points[i])};
+        }
+        descend(bvh_, {descents.data(), points.size()});
+        for (std::size_t i = 0; i < points.size(); ++i) selections[i] = result(descents[i]);
+    }
+
     LightBvhPoint to_local(const ShadingPoint& point) const noexcept {
         return {frame_.position(point.position), point.normal};
     }
