@@ -73,9 +73,7 @@ class Recorder:
 
     def add_light_mesh(self, positions, indices, *, radiance, two_sided, texture, uvs, name):
         radiance = np.asarray(radiance, dtype=np.float32)
-        self.meshes.append(
-            Mesh(name, positions, indices, None, uvs, None, radiance, two_sided)
-        )
+        self.meshes.append(Mesh(name, positions, indices, None, uvs, None, radiance, two_sided))
 
     def set_environment(self, texels: np.ndarray) -> None:
         self.environment = texels
@@ -245,7 +243,7 @@ def test_embers_lie_above_the_floor() -> None:
 def test_city_has_lights_of_every_kind() -> None:
     lights = {mesh.name: len(mesh.indices) for mesh in recorded("city").lights}
     assert lights["lit windows"] > 30_000
-    assert lights["lamps"] == 20 * 600
+    assert lights["lamps"] == 20 * 596
     assert set(lights) == {
         "lit windows", "shop windows", "lamps", "signs", "headlamps", "tail lamps"
     }  # fmt: skip

@@ -18,9 +18,7 @@ def compute(comparison: Comparison) -> dict[str, Any]:
     None stands for a figure that there is not: a baseline that is not in the run, a division by 0.
     """
     reference = comparison.reference
-    samplers = {
-        name: _of_run(run, reference.image) for name, run in comparison.samplers.items()
-    }
+    samplers = {name: _of_run(run, reference.image) for name, run in comparison.samplers.items()}
     for figures in samplers.values():
         for key, baseline in BASELINES.items():
             figures[key] = _ratio(

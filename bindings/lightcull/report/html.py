@@ -72,7 +72,9 @@ def render(figures: dict[str, Any], images: dict[str, dict[str, bytes]], view: s
         gradient=_gradient(),
         scale=max(1, 1120 // figures["width"]),
         values={
-            kind.key: {name: f"{kind.figure} {significant(run[kind.figure_key])}" for name, run in runs}
+            kind.key: {
+                name: f"{kind.figure} {significant(run[kind.figure_key])}" for name, run in runs
+            }
             for kind in pictures.ERROR_MAPS
         },
         significant=significant,
@@ -106,11 +108,23 @@ def _superscript(number: int) -> str:
     return str(number).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
 
 
+def _ranked(figures: dict[str, Any]) -> list[str]:
+    """Samplers from the least to the most efficient."""
+    samplers = figures["samplers"]
+    return sorted(samplers, key=lambda name: samplers[name]["efficiency"] or math.inf)
+
+
+def _first_pair(figures: dict[str, Any]) -> tuple[str, str]:
+    """What the page shows at first, left and right: the worst and the best."""
+    ranked = _ranked(figures)
+    return (ranked[0], ranked[-1]) if len(ranked) > 1 else (ranked[0], REFERENCE)
+
+
 def _headline(figures: dict[str, Any]) -> str:
     """One sentence on who won by how much."""
     samplers = figures["samplers"]
-    ranked = sorted(samplers, key=lambda name: samplers[name]["efficiency"] or math.inf)
-    best, run = ranked[-1], samplers[ranked[-1]]
+    best = _ranked(figures)[-1]
+    run = samplers[best]
     gains = [
         f"{significant(ratio, 2)} times {baseline}"
         for baseline in ("uniform", "light_bvh")
@@ -166,8 +180,11 @@ def _script_data(
         }
         for layer, of_layer in images.items()
     }
+    left, right = _first_pair(figures)
     data = {
         "samplers": names,
+        "left": left,
+        "right": right,
         "images": encoded,
         "width": figures["width"],
         "height": figures["height"],

@@ -45,7 +45,7 @@ def exposure_for(reference: np.ndarray) -> float:
     if lit.size == 0:
         return 0.0
     stops = np.log2(BRIGHTNESS) - np.mean(np.log2(lit), dtype=np.float64)
-    return float(np.clip(round(stops, 1), -3.0, 3.0)) + 0.0  # no -0
+    return float(np.clip(np.round(stops, 1), -3.0, 3.0)) + 0.0  # no -0 + 0.0  # no -0
 
 
 def display(image: np.ndarray, view: str, exposure: float) -> np.ndarray:

@@ -89,7 +89,9 @@ def _draw_guides(axes: Any, floor: float | None) -> None:
     start = np.sqrt(low * high) * np.sqrt(right / left)
     seconds = np.array([left, right])
     for shift in (0.1, 1.0, 10.0):
-        axes.plot(seconds, shift * start * left / seconds, color=FAINT, linewidth=0.9, dashes=(5, 4))
+        axes.plot(
+            seconds, shift * start * left / seconds, color=FAINT, linewidth=0.9, dashes=(5, 4)
+        )
     at = left * (right / left) ** 0.04
     axes.annotate("1/t", (at, start * left / at), (2, 3), textcoords="offset points", color=FAINT)
     if floor and floor > low / 100:  # else it says no more than that it is far below

@@ -36,7 +36,9 @@ def write_csv(figures: dict[str, Any], path: Path) -> None:
     """Writes a line for each sampler; a figure that there is not is an empty field."""
     with path.open("w", newline="", encoding="utf-8") as stream:
         lines = csv.writer(stream, lineterminator="\n")
-        lines.writerow(("scene", "width", "height", "max_depth", "threads", "sampler", *RUN_COLUMNS))
+        lines.writerow(
+            ("scene", "width", "height", "max_depth", "threads", "sampler", *RUN_COLUMNS)
+        )
         for name, run in figures["samplers"].items():
             setting = [figures[key] for key in ("scene", "width", "height", "max_depth", "threads")]
             lines.writerow([*setting, name, *(run[key] for key in RUN_COLUMNS)])

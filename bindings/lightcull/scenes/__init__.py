@@ -10,8 +10,8 @@ if TYPE_CHECKING:
     from lightcull import Scene
 
 NAMES = {
-    "lanterns": "a courtyard at dusk hung with 2,736 lanterns: 54,720 triangle lights",
-    "city": "a street at night: lit windows, shops, signs and street lamps, most of them out of sight",
+    "lanterns": "a palace of courtyards hung with 2,736 lanterns: 54,720 triangle lights",
+    "city": "a street at night: windows, shops, signs and lamps, most of them out of sight",
     "embers": "250,000 embers over a glossy floor, powers over six decades",
     "cornell": "the Cornell box under a square lamp: 2 triangle lights",
     "million": "snowy hills planted with 51,200 glowing bulbs: 1,024,000 triangle lights",

@@ -34,9 +34,7 @@ def fill(scene: Scene) -> None:
     filling.add(scene, "right", geometry.quad((half, 0, -half), (0, 0, s), (0, s, 0)), green)
     filling.add(scene, "short block", _block(1.65, 1.65, -0.29).moved(1.0, 0, 0.35), white)
     filling.add(scene, "tall block", _block(1.65, 3.3, 0.30).moved(-0.95, 0, -1.1), white)
-    lamp = geometry.quad(
-        (-LAMP / 2, s - 0.01, -LAMP / 2 + 0.8), (LAMP, 0, 0), (0, 0, LAMP)
-    )
+    lamp = geometry.quad((-LAMP / 2, s - 0.01, -LAMP / 2 + 0.8), (LAMP, 0, 0), (0, 0, LAMP))
     filling.add_lights(scene, "lamp", lamp, np.array(RADIANCE))
     scene.set_camera(
         origin=(0.0, 2.73, 10.75), target=(0.0, 2.73, 0.0), vertical_fov=np.radians(39.0)

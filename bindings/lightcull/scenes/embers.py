@@ -92,9 +92,9 @@ def _smooth_normals(positions: np.ndarray, indices: np.ndarray) -> np.ndarray:
 
 def _add_bowl(scene: Scene) -> None:
     iron = filling.glossy(scene, from_srgb("#6a5f58"), roughness=0.35, metallic=1.0)
-    profile = [(0.0, 0.0), (0.62, 0.0), (0.62, 0.1), (0.2, 0.22), (0.16, 0.55), (0.5, 0.68),
-               (0.88, 0.9), (0.98, BOWL_TOP), (0.92, BOWL_TOP), (0.8, 0.92), (0.0, 0.72)]  # fmt: skip
-    filling.add(scene, "bowl", geometry.lathe(profile, 64), iron)
+    foot = [(0.0, 0.0), (0.62, 0.0), (0.62, 0.1), (0.2, 0.22), (0.16, 0.55), (0.5, 0.68)]
+    basin = [(0.88, 0.9), (0.98, BOWL_TOP), (0.92, BOWL_TOP), (0.8, 0.92), (0.0, 0.72)]
+    filling.add(scene, "bowl", geometry.lathe(foot + basin, 64), iron)
 
 
 def _add_embers(scene: Scene, chance: Chance) -> None:

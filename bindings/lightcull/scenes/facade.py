@@ -23,7 +23,9 @@ class Face:
         """(3,) its unit normal."""
         return np.cross(self.right, (0.0, 1.0, 0.0))
 
-    def points(self, across: np.ndarray, up: np.ndarray, out: np.ndarray | float = 0.0) -> np.ndarray:
+    def points(
+        self, across: np.ndarray, up: np.ndarray, out: np.ndarray | float = 0.0
+    ) -> np.ndarray:
         """(..., 3) from metres to the right of the corner, above it, and in front of the wall."""
         across, up, out = np.broadcast_arrays(across, up, out)
         return (
@@ -41,7 +43,7 @@ class Face:
         high: np.ndarray,
         out: float = 0.0,
     ) -> np.ndarray:
-        """(K, 4, 3) corners of rectangles that lie `out` metres in front of the wall and face out."""
+        """(K, 4, 3) corners of rectangles that face out, `out` metres in front of the wall."""
         across = np.stack(np.broadcast_arrays(left, right, right, left), axis=-1)
         up = np.stack(np.broadcast_arrays(low, low, high, high), axis=-1)
         return self.points(across, up, out).reshape(-1, 4, 3)

@@ -70,7 +70,7 @@ def merge(shapes: Iterable[Shape]) -> Shape:
 
 
 def faceted(shape: Shape) -> Shape:
-    """The same with flat normals of its own corners, so that it can be merged with smooth shapes."""
+    """The same with a flat normal at each corner, so that it can be merged with smooth shapes."""
     corners = shape.positions[shape.indices]
     normals = unit(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))
     indices = np.arange(3 * len(corners), dtype=np.uint32).reshape(-1, 3)
@@ -78,7 +78,10 @@ def faceted(shape: Shape) -> Shape:
 
 
 def scatter(
-    shape: Shape, places: np.ndarray, scales: np.ndarray | float = 1.0, yaws: np.ndarray | float = 0.0
+    shape: Shape,
+    places: np.ndarray,
+    scales: np.ndarray | float = 1.0,
+    yaws: np.ndarray | float = 0.0,
 ) -> Shape:
     """Copies of a shape, one after the other.
 

@@ -1,4 +1,4 @@
-"""Snowy hills at nightfall, planted with 51,200 glowing bulbs on stalks: 1,024,000 triangle lights."""
+"""Snowy hills at nightfall, planted with 51,200 glowing bulbs: 1,024,000 triangle lights."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ import numpy as np
 from . import filling, geometry
 from .chance import Chance, Noise
 from .color import from_srgb
-from .geometry import Shape
 from .plants import leafy_balls
 
 if TYPE_CHECKING:
@@ -36,20 +35,20 @@ class Ground:
 def fill(scene: Scene) -> None:
     chance = Chance(1_024_000)
     ground = Ground(chance)
-    _add_ground(scene, chance, ground)
+    _add_ground(scene, ground)
     _add_bulbs(scene, chance, ground)
     _add_trees(scene, chance, ground)
     filling.sky(
         scene,
-        zenith=0.035 * from_srgb("#2b56a8"),
-        horizon=0.22 * from_srgb("#c08a86"),
+        zenith=0.030 * from_srgb("#24429a"),
+        horizon=0.15 * from_srgb("#7f8cc4"),
         ground=np.full(3, 0.002),
     )
     eye = (6.0, float(ground(np.array(6.0), np.array(92.0))) + 6.5, 92.0)
     scene.set_camera(origin=eye, target=(-4.0, 2.0, 10.0), vertical_fov=np.radians(48.0))
 
 
-def _add_ground(scene: Scene, chance: Chance, ground: Ground) -> None:
+def _add_ground(scene: Scene, ground: Ground) -> None:
     reach = 1.6 * HALF
     axis = np.linspace(-reach, reach, 401)
     heights = ground(*np.meshgrid(axis, axis))
@@ -92,11 +91,13 @@ def _radiance(chance: Chance, x: np.ndarray, z: np.ndarray) -> np.ndarray:
     share = (place - np.floor(place))[:, None]
     color = colors[lower] * (1 - share) + colors[(lower + 1) % len(colors)] * share
     color = color / color.max(axis=1, keepdims=True)
-    return color * (1.5 * chance.log_normal(0.6, len(x)))[:, None]
+    return color * (2.2 * chance.log_normal(0.6, len(x)))[:, None]
 
 
 def _add_trees(scene: Scene, chance: Chance, ground: Ground) -> None:
-    x, z = np.array([(-26, 38), (34, 18), (-52, -6), (14, -22), (-12, -52), (58, -34), (-70, -60)]).T
+    x, z = np.array(
+        [(-26, 38), (34, 18), (-52, -6), (14, -22), (-12, -52), (58, -34), (-70, -60)]
+    ).T
     x, z = x.astype(float), z.astype(float)
     foot = np.column_stack((x, ground(x, z), z))
     scale = chance.uniform(0.8, 1.4, len(x))
@@ -109,4 +110,6 @@ def _add_trees(scene: Scene, chance: Chance, ground: Ground) -> None:
             offset = chance.normal(3) * (1.3, 0.6, 1.3) * size
             crowns.append(place + (0.0, 5.6 * size, 0.0) + offset)
     leaf = filling.diffuse(scene, from_srgb("#5f7a48"))
-    filling.add(scene, "leaves", leafy_balls(chance, np.array(crowns), (0.8, 1.9), 1500, 0.16), leaf)
+    filling.add(
+        scene, "leaves", leafy_balls(chance, np.array(crowns), (0.8, 1.9), 1500, 0.16), leaf
+    )

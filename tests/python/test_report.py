@@ -1,0 +1,420 @@
+"""The report: figures of error against values worked out by hand, JSON, CSV, and the page."""
+
+from __future__ import annotations
+
+import base64
+import csv
+import io
+import json
+import math
+import re
+from html.parser import HTMLParser
+from pathlib import Path
+
+import numpy as np
+import pytest
+from lightcull import report
+from lightcull.report import figures, html, metrics, pictures, plots, tables
+from lightcull.report.write import file_stem
+from PIL import Image
+
+TOP_KEYS = ["scene", "width", "height", "max_depth", "threads", "seconds", "command", "machine",
+            "reference", "samplers"]  # fmt: skip
+SAMPLER_KEYS = {
+    "spp", "seconds", "setup_seconds", "ns_per_selection", "rays_per_second", "accepted_per_point",
+    "nodes_per_point", "lights_tested_per_point", "rmse", "relmse", "flip", "relmse_blurred",
+    "efficiency", "ratio_to_uniform", "ratio_to_light_bvh", "error_curve",
+}  # fmt: skip
+"""What scripts read."""
+
+HEIGHT, WIDTH = 24, 32
+
+
+def flat(value: float, height: int = 8, width: int = 8) -> np.ndarray:
+    return np.full((height, width, 3), value, np.float32)
+
+
+def reference_image() -> np.ndarray:
+    y, x = np.mgrid[0:HEIGHT, 0:WIDTH]
+    ramp = 0.1 + 0.9 * (x + y) / (HEIGHT + WIDTH)
+    return np.stack((ramp, 0.8 * ramp, 0.5 * ramp), axis=-1).astype(np.float32)
+
+
+def make_run(error: float, seconds: float = 10.0, **changes) -> report.SamplerRun:
+    """A run whose image is `error` above the reference, alternately more and less."""
+    checker = (np.indices((HEIGHT, WIDTH)).sum(axis=0) % 2 * 2 - 1)[..., None]
+    values = dict(
+        image=(reference_image() * (1 + error * checker)).astype(np.float32),
+        spp=64,
+        seconds=seconds,
+        setup_seconds=2.0,
+        selection_seconds=3.0,
+        selections=1_000_000,
+        rays=4_000_000,
+        accepted_per_point=16.5,
+        nodes_per_point=30.0,
+        lights_tested_per_point=40.0,
+        curve=[(1.0, 0.4), (10.0, 0.04)],
+    )
+    return report.SamplerRun(**{**values, **changes})
+
+
+def make_comparison(**samplers: report.SamplerRun) -> report.Comparison:
+    return report.Comparison(
+        scene="a <scene> & more",
+        width=WIDTH,
+        height=HEIGHT,
+        max_depth=2,
+        threads=2,
+        seconds=10.0,
+        machine={"processor": "of <some> kind", "build": "g++"},
+        reference=report.Reference(reference_image(), "exhaustive", 4096, 1e-6),
+        samplers=samplers
+        or {
+            "uniform": make_run(0.4),
+            "light_bvh": make_run(0.2),
+            "culled:sets=16": make_run(0.1, seconds=5.0),
+        },
+        command="lightcull compare x --seconds 10",
+    )
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    target = tmp_path_factory.mktemp("report") / "made" / "for it"
+    assert report.write(make_comparison(), target) == target / "index.html"
+    return target
+
+
+# Metrics
+
+
+def test_rmse() -> None:
+    image = flat(2.0)
+    image[0, 0] = (5.0, 2.0, 2.0)
+    assert metrics.rmse(image, flat(2.0)) == pytest.approx(3 / math.sqrt(8 * 8 * 3))
+
+
+def test_relmse() -> None:
+    # Reference 1 and 3, mean 2: denominators 1 + 0.04 and 9 + 0.04.
+    reference = np.concatenate((flat(1.0), flat(3.0)), axis=1)
+    image = np.concatenate((flat(1.5), flat(2.0)), axis=1)
+    expected = 0.5 * (0.25 / 1.04 + 1.0 / 9.04)
+    assert metrics.relmse(image, reference) == pytest.approx(expected)
+
+
+def test_relmse_does_not_depend_on_the_unit() -> None:
+    run = make_run(0.3)
+    once = metrics.relmse(run.image, reference_image())
+    assert metrics.relmse(1e4 * run.image, 1e4 * reference_image()) == pytest.approx(once, rel=1e-5)
+
+
+def test_error_against_a_black_reference() -> None:
+    assert metrics.relmse(flat(0.0), flat(0.0)) == 0
+    assert metrics.relmse(flat(0.1), flat(0.0)) == math.inf
+    with pytest.raises(ValueError, match="black"):
+        metrics.flip(flat(0.1), flat(0.0))
+
+
+def test_box_blur_is_the_mean_of_the_neighbours() -> None:
+    values = np.random.default_rng(1).random((11, 13, 3))
+    blurred = metrics.box_blur(values)
+    assert blurred[5, 6] == pytest.approx(values[2:9, 3:10].mean(axis=(0, 1)))
+    assert blurred[0, 0] == pytest.approx(values[:4, :4].mean(axis=(0, 1)))
+    assert blurred[10, 5] == pytest.approx(values[7:, 2:9].mean(axis=(0, 1)))
+    with pytest.raises(ValueError, match="odd"):
+        metrics.box_blur(values, 6)
+
+
+def test_blur_tells_shared_error_from_independent_error() -> None:
+    chance = np.random.default_rng(2)
+    reference = flat(1.0, 140, 140)
+    independent = reference + 0.1 * chance.standard_normal((140, 140, 1))
+    shared = reference + np.kron(0.1 * chance.standard_normal((10, 10, 1)), np.ones((14, 14, 1)))
+    ratio = {}
+    for name, image in (("independent", independent), ("shared", shared)):
+        before = metrics.relmse(image, reference)
+        ratio[name] = metrics.relmse_blurred(image, reference) / before
+    # 1/49, a little more where a border cuts the window; 20 000 pixels give it within 10 %.
+    assert ratio["independent"] == pytest.approx(1 / 49, rel=0.15)
+    assert ratio["shared"] > 0.5
+
+
+def test_relmse_of_mean_is_the_variance_of_the_mean() -> None:
+    chance = np.random.default_rng(3)
+    truth = flat(1.0, 200, 200)
+    half_a, half_b = (truth + 0.1 * chance.standard_normal(truth.shape) for _ in range(2))
+    actual = metrics.relmse(0.5 * (half_a + half_b), truth)
+    assert metrics.relmse_of_mean(half_a, half_b) == pytest.approx(actual, rel=0.05)
+    assert metrics.relmse_of_mean(truth, truth) == 0
+
+
+def test_flip() -> None:
+    reference = reference_image()
+    assert metrics.flip(reference, reference) == 0
+    near, far = (metrics.flip(make_run(error).image, reference) for error in (0.05, 0.5))
+    assert 0 < near < far < 1
+    # HDR-FLIP takes its exposures from the reference.
+    brighter = metrics.flip(64 * make_run(0.5).image, 64 * reference)
+    assert brighter == pytest.approx(far, rel=1e-3)
+    errors = metrics.flip_map(make_run(0.5).image, reference)
+    assert errors.shape == (HEIGHT, WIDTH)
+    assert np.mean(errors) == pytest.approx(far, rel=1e-6)
+
+
+def test_efficiency() -> None:
+    assert metrics.efficiency(0.01, 10.0) == pytest.approx(10.0)
+    assert metrics.efficiency(0.0, 10.0) == math.inf
+
+
+@pytest.mark.parametrize("shape", [(8, 8), (8, 8, 4), (7, 8, 3)])
+def test_images_must_match(shape: tuple) -> None:
+    with pytest.raises(ValueError, match="of one size"):
+        metrics.relmse(np.zeros(shape, np.float32), flat(1.0))
+
+
+# Comparison
+
+
+def test_comparison_names_the_image_at_fault() -> None:
+    with pytest.raises(ValueError, match="sampler 'power'.*expected"):
+        make_comparison(power=make_run(0.1, image=flat(1.0)))
+    spoilt = reference_image()
+    spoilt[3, 4] = np.nan
+    with pytest.raises(ValueError, match="sampler 'power'.*not finite"):
+        make_comparison(power=make_run(0.1, image=spoilt))
+
+
+# Figures
+
+
+def test_figures_of_a_sampler() -> None:
+    result = figures.compute(make_comparison())
+    uniform, culled = result["samplers"]["uniform"], result["samplers"]["culled:sets=16"]
+    reference, image = reference_image(), make_run(0.4).image
+    assert uniform["relmse"] == metrics.relmse(image, reference)
+    assert uniform["relmse_blurred"] == metrics.relmse_blurred(image, reference)
+    assert uniform["rmse"] == metrics.rmse(image, reference)
+    assert uniform["ns_per_selection"] == pytest.approx(3000.0)
+    assert uniform["rays_per_second"] == pytest.approx(4e6 / 8.0)
+    assert uniform["efficiency"] == pytest.approx(1 / (uniform["relmse"] * 10.0))
+    assert uniform["error_curve"] == [[1.0, 0.4], [10.0, 0.04]]
+    assert uniform["ratio_to_uniform"] == 1
+    # A quarter of the error, 16 times less relMSE, in half the time.
+    assert culled["ratio_to_uniform"] == pytest.approx(32, rel=1e-3)
+    assert culled["ratio_to_light_bvh"] == pytest.approx(8, rel=1e-3)
+
+
+def test_ratios_are_null_without_their_baseline() -> None:
+    only = figures.compute(make_comparison(culled=make_run(0.1)))["samplers"]["culled"]
+    assert only["ratio_to_uniform"] is None and only["ratio_to_light_bvh"] is None
+
+
+def test_figures_that_do_not_exist_are_null() -> None:
+    perfect = make_run(0.0, selections=0)
+    result = figures.compute(make_comparison(uniform=perfect, culled=make_run(0.1)))["samplers"]
+    assert result["uniform"]["ns_per_selection"] is None
+    assert result["uniform"]["efficiency"] is None
+    assert result["culled"]["ratio_to_uniform"] is None
+    json.dumps(result, allow_nan=False)
+
+
+# Files
+
+
+def test_json_has_exactly_these_keys(folder: Path) -> None:
+    content = json.loads((folder / "report.json").read_text())
+    assert list(content) == TOP_KEYS
+    assert set(content["reference"]) == {"sampler", "spp", "relmse_of_itself"}
+    assert list(content["samplers"]) == ["uniform", "light_bvh", "culled:sets=16"]
+    for run in content["samplers"].values():
+        assert set(run) == SAMPLER_KEYS
+    assert content["scene"] == "a <scene> & more"
+    assert (content["width"], content["height"], content["max_depth"]) == (WIDTH, HEIGHT, 2)
+    assert content["reference"] == {"sampler": "exhaustive", "spp": 4096, "relmse_of_itself": 1e-6}
+
+
+def test_csv_says_what_json_says(folder: Path) -> None:
+    content = json.loads((folder / "report.json").read_text())
+    with (folder / "report.csv").open(newline="") as stream:
+        rows = list(csv.DictReader(stream))
+    assert [row["sampler"] for row in rows] == list(content["samplers"])
+    for row in rows:
+        assert row["scene"] == content["scene"]
+        for key in tables.RUN_COLUMNS:
+            assert float(row[key]) == content["samplers"][row["sampler"]][key]
+    assert set(tables.RUN_COLUMNS) == SAMPLER_KEYS - {"error_curve"}
+    with (folder / "error_curves.csv").open(newline="") as stream:
+        points = [(row["sampler"], float(row["seconds"])) for row in csv.DictReader(stream)]
+    assert points == [(name, at) for name in content["samplers"] for at in (1.0, 10.0)]
+
+
+def test_csv_leaves_a_missing_figure_empty(tmp_path: Path) -> None:
+    result = figures.compute(make_comparison(culled=make_run(0.1)))
+    tables.write_csv(result, tmp_path / "report.csv")
+    with (tmp_path / "report.csv").open(newline="") as stream:
+        (row,) = csv.DictReader(stream)
+    assert row["ratio_to_uniform"] == ""
+
+
+def test_images_are_written(folder: Path) -> None:
+    import lightcull
+
+    for name in ("reference", "uniform", "light_bvh", "culled_sets-16"):
+        with Image.open(folder / f"{name}.png") as picture:
+            assert picture.size == (WIDTH, HEIGHT)
+    kept = lightcull.read_image(folder / "uniform.exr")
+    assert np.array_equal(kept, make_run(0.4).image)
+    assert file_stem("paper:list=0:error_bound=0.1") == "paper_list-0_error_bound-0.1"
+
+
+# Pictures
+
+
+def test_pictures_have_the_exposure_of_the_reference() -> None:
+    for factor in (0.25, 1.0, 4.0):
+        stops = pictures.exposure_for(flat(pictures.BRIGHTNESS * factor))
+        assert stops == pytest.approx(-math.log2(factor), abs=0.051)
+    assert pictures.exposure_for(flat(0.0)) == 0
+    assert pictures.exposure_for(flat(1e-6)) == 3
+    # What is near black does not count: a black sky is to stay so.
+    half_black = np.concatenate((flat(pictures.BRIGHTNESS), flat(0.0)), axis=1)
+    assert pictures.exposure_for(half_black) == 0
+
+
+def test_error_maps_share_a_scale() -> None:
+    scale = pictures.ERROR_MAPS[0]
+    values = np.array([[0.0, scale.low, math.sqrt(scale.low * scale.high), scale.high, 1e9]])
+    assert pictures.to_palette(scale, values).tolist() == [[0, 0, 128, 255, 255]]
+    with Image.open(io.BytesIO(pictures.encode_png(np.uint8([[0, 255]])))) as picture:
+        colors = np.asarray(picture.convert("RGB"))
+    assert np.array_equal(colors[0], pictures.palette()[[0, 255]])
+
+
+def test_error_maps_average_to_the_figures() -> None:
+    run, reference = make_run(0.3), reference_image()
+    expected = {
+        "error": metrics.relmse(run.image, reference),
+        "blurred": metrics.relmse_blurred(run.image, reference),
+        "flip": metrics.flip(run.image, reference),
+    }
+    for kind in pictures.ERROR_MAPS:
+        values = pictures.error_values(kind, run.image, reference)
+        assert np.mean(values) == pytest.approx(expected[kind.key], rel=1e-5)
+
+
+# The page
+
+
+class Page(HTMLParser):
+    """Collects what a page loads, and its text."""
+
+    LOADING = {"src", "href", "xlink:href", "srcset", "data", "poster", "action"}
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.loaded: list[str] = []
+        self.text: list[str] = []
+        self.elements: list[str] = []
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list) -> None:
+        self.elements.append(tag)
+        self.loaded += [value for key, value in attrs if key in self.LOADING and value]
+
+    def handle_data(self, data: str) -> None:
+        self.text.append(data)
+
+
+@pytest.fixture(scope="module")
+def page_text(folder: Path) -> str:
+    return (folder / "index.html").read_text(encoding="utf-8")
+
+
+def test_page_loads_nothing(page_text: str) -> None:
+    page = Page(page_text)
+    assert all(address.startswith(("#", "data:")) for address in page.loaded)
+    assert not {"link", "iframe", "object", "embed", "base"} & set(page.elements)
+    without_images = re.sub(r"data:image/png;base64,[A-Za-z0-9+/=]+", "", page_text)
+    assert not re.search(r"\w+://|@import|\bfetch\(|XMLHttpRequest|import\(", without_images)
+    assert all(target.startswith("#") for target in re.findall(r"url\(([^)]*)\)", without_images))
+
+
+def script_data(page_text: str) -> dict:
+    found = re.search(r'<script type="application/json" id="data">(.*?)</script>', page_text, re.S)
+    assert found is not None
+    return json.loads(found[1])
+
+
+def test_page_holds_every_image(page_text: str, folder: Path) -> None:
+    data = script_data(page_text)
+    samplers = ["uniform", "light_bvh", "culled:sets=16"]
+    assert data["samplers"] == samplers
+    assert set(data["images"]["image"]) == {"reference", *samplers}
+    for kind in pictures.ERROR_MAPS:
+        assert set(data["images"][kind.key]) == set(samplers)
+    for layer in data["images"].values():
+        for address in layer.values():
+            png = base64.b64decode(address.removeprefix("data:image/png;base64,"), validate=True)
+            with Image.open(io.BytesIO(png)) as picture:
+                assert picture.size == (WIDTH, HEIGHT)
+    shown = data["images"]["image"]["uniform"].removeprefix("data:image/png;base64,")
+    assert base64.b64decode(shown) == (folder / "uniform.png").read_bytes()
+
+
+def test_page_shows_the_worst_against_the_best_first(page_text: str) -> None:
+    data = script_data(page_text)
+    assert (data["left"], data["right"]) == ("uniform", "culled:sets=16")
+
+
+def test_page_says_what_was_done(page_text: str) -> None:
+    text = " ".join(Page(page_text).text)
+    for said in ("a <scene> & more", "of <some> kind", "lightcull compare x --seconds 10",
+                 "32 times uniform and 8.0 times light_bvh", "direct light only"):  # fmt: skip
+        assert said in text
+    assert "<scene>" not in page_text and "<some>" not in page_text
+
+
+def test_page_marks_the_best_values(page_text: str) -> None:
+    row = next(row for row in page_text.split("<tr>") if 'name">culled:sets=16' in row)
+    marked = dict(
+        zip([column.key for column in html.COLUMNS], re.findall(r'<td( class="best")?>', row)[1:])
+    )
+    assert marked["relmse"] and marked["efficiency"] and marked["ratio_to_uniform"]
+    assert not marked["accepted_per_point"] and not marked["seconds"]
+
+
+def test_page_warns_of_a_noisy_reference() -> None:
+    clean = make_comparison()
+    noisy = make_comparison()
+    noisy.reference.relmse_of_itself = 0.1
+    images = {"image": {}, **{kind.key: {} for kind in pictures.ERROR_MAPS}}
+    pages = [html.render(figures.compute(made), images, "aces") for made in (clean, noisy)]
+    assert ["†" in page for page in pages] == [False, True]
+
+
+def test_plot_has_a_curve_for_each_sampler() -> None:
+    result = figures.compute(make_comparison())
+    svg = plots.to_svg(plots.error_against_time(result))
+    assert svg.startswith("<svg")
+    for text in ("uniform", "light_bvh", "culled:sets=16", "1/t", "relMSE", "seconds"):
+        assert f">{text}<" in svg
+    for color in plots.sampler_colors(list(result["samplers"])).values():
+        assert color in svg
+
+
+def test_sampler_colors_differ() -> None:
+    names = ["culled", "culled:sets=16", "culled:sets=4", "paper", "uniform"]
+    assert len(set(plots.sampler_colors(names).values())) == len(names)
+    assert plots.sampler_colors(names)["culled"] == plots.sampler_colors(["culled"])["culled"]
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (None, "–"), (0.0, "0"), (0.012345, "0.0123"), (1.0, "1.00"), (123.4, "123"),
+        (54720.0, "54\u202f720"), (2.5e9, "2.50\u2009×\u200910⁹"), (1.5e-6, "1.50\u2009×\u200910⁻⁶"),
+    ],
+)  # fmt: skip
+def test_numbers_for_people(value: float | None, text: str) -> None:
+    assert html.significant(value) == text
