@@ -86,7 +86,7 @@ inline float emitter_bound(const LightRecord& light, const Approach& way,
 
 /// g_i(x) of [TH16] Eq. 9: intensity by the squared distance of the centre and by both cosines. The
 /// paper takes the largest cosine of three corners for the receiver; a bounding sphere has none, so
-/// both cosines are the largest that anything in the sphere can have.
+/// both cosines are the largest that anything in the sphere can have. Tests hold samplers to it.
 inline float importance_bound(const LightRecord& light, const Approach& way,
                               float3 normal) noexcept {
     const float radius2 = light.radius * light.radius;

@@ -46,9 +46,8 @@ class LightList {
     Accepted list_[kMaxListSize];
 };
 
-/// [TH16] Alg. 2 with one shadow ray (section 5.3.2), and the departures from it one by one. The
-/// cosines of Eq. 9 are those of the light's bounding sphere, since the corners of a triangle are
-/// the caller's.
+/// [TH16] Alg. 2 with one shadow ray (section 5.3.2), and the departures from it one by one. For
+/// Eq. 9 it takes importance(), as all samplers do: the corners of a triangle are the caller's.
 class PaperSampler final : public LightSampler {
   public:
     PaperSampler(const LightTable& table, float reach, const PaperOptions& options)
