@@ -4,18 +4,11 @@
 #include <utility>
 
 #include "base/float3_math.h"
+#include "base/morton.h"
 #include "lights/parallel_blocks.h"
 
 namespace lightcull {
 namespace {
-
-/// The low 10 bits, two 0 bits after each.
-constexpr std::uint32_t spread_bits(std::uint32_t x) noexcept {
-    x = (x | (x << 16)) & 0x030000ffu;
-    x = (x | (x << 8)) & 0x0300f00fu;
-    x = (x | (x << 4)) & 0x030c30c3u;
-    return (x | (x << 2)) & 0x09249249u;
-}
 
 class MortonCurve {
   public:
@@ -32,8 +25,7 @@ class MortonCurve {
     }
     std::uint32_t place(float3 x) const noexcept {
         const float3 at = (x - low_) * scale_;
-        return spread_bits(digits(at.x)) | (spread_bits(digits(at.y)) << 1) |
-               (spread_bits(digits(at.z)) << 2);
+        return morton_code(digits(at.x), digits(at.y), digits(at.z));
     }
 
   private:

@@ -1,20 +1,11 @@
 #include "render/morton.h"
 
+#include "base/morton.h"
+
 #include <ImathBox.h>
 #include <algorithm>
 
 namespace lightcull {
-namespace {
-
-/// Moves the lower 10 bits of x two places apart.
-std::uint32_t spread(std::uint32_t x) noexcept {
-    x = (x | (x << 16)) & 0x030000ffu;
-    x = (x | (x << 8)) & 0x0300f00fu;
-    x = (x | (x << 4)) & 0x030c30c3u;
-    return (x | (x << 2)) & 0x09249249u;
-}
-
-}  // namespace
 
 void sort_by_morton_code(const std::vector<V3f>& positions, std::vector<std::uint32_t>& order,
                          std::vector<std::uint64_t>& keys) {
@@ -28,9 +19,9 @@ void sort_by_morton_code(const std::vector<V3f>& positions, std::vector<std::uin
     keys.resize(positions.size());
     for (std::size_t i = 0; i < positions.size(); ++i) {
         const V3f p = (positions[i] - bounds.min) * cells;
-        const std::uint32_t code = spread(static_cast<std::uint32_t>(p.x)) |
-                                   spread(static_cast<std::uint32_t>(p.y)) << 1 |
-                                   spread(static_cast<std::uint32_t>(p.z)) << 2;
+        const std::uint32_t code =
+            morton_code(static_cast<std::uint32_t>(p.x), static_cast<std::uint32_t>(p.y),
+                        static_cast<std::uint32_t>(p.z));
         keys[i] = std::uint64_t{code} << 32 | order[i];
     }
     std::sort(keys.begin(), keys.end());
