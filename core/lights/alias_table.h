@@ -20,6 +20,8 @@ class AliasTable {
     std::uint32_t sample(double u) const noexcept;
     /// The probability with which sample() yields i: weight i / sum of weights.
     float prob(std::uint32_t i) const noexcept { return entries_[i].prob; }
+    /// Bytes.
+    std::size_t memory_size() const noexcept { return entries_.size() * sizeof(Entry); }
 
   private:
     struct Entry {

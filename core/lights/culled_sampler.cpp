@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <vector>
 
-#include "lights/culled_packet.h"
 #include "lights/culling_tree.h"
+#include "lights/kernels.h"
 #include "lights/parallel_blocks.h"
 #include "lights/point_order.h"
 #include "lights/range_calibration.h"
@@ -18,8 +18,7 @@ namespace {
 /// over xi of [i accepted] (g_i / p_i) / W / prob is 1 for prob = g_i / W.
 class CulledSampler final : public LightSampler {
   public:
-    CulledSampler(const LightTable& table, float reach, std::uint32_t set_count)
-        : tree_(table, reach, set_count) {}
+    CulledSampler(const LightTable& table, const RandomRanges& ranges) : tree_(table, ranges) {}
 
     using LightSampler::select;
 
@@ -28,9 +27,9 @@ class CulledSampler final : public LightSampler {
     Selection select(const ShadingPoint& point, float u) const noexcept override {
         Reservoir reservoir(u);
         const float3 x = tree_.frame().position(point.position);
-        tree_.for_each_accepted(x, point.normal, point.set, [&](const Accepted& accepted) {
+        tree_.for_each_accepted(x, Receiver(point), point.set, [&](const Accepted& accepted) {
             reservoir.add(accepted.record, accepted.importance,
-                          accepted.importance / accepted.prob);
+                          accepted.importance * accepted.inverse_prob);
         });
         const Receipt receipt{reservoir.weight_sum(), point.set};
         if (!reservoir.chosen()) return {0, 0.0f, receipt};
@@ -56,62 +55,47 @@ class CulledSampler final : public LightSampler {
         if (record == CullingTree::kNoRecord) return 0.0f;
         const LightRecord& data = tree_.record(record);
         const Approach way = approach(tree_.frame().position(point.position), data.center);
-        const float g = importance(data, way, point.normal);
+        const float g = importance(data, way, Receiver(point));
         if (!(g > 0.0f)) return 0.0f;
-        const RandomRanges& ranges = tree_.ranges();
-        const float distance = distance_to_sphere(way.distance, data);
-        if (ranges.accepts(data.intensity, distance, ranges.xi(record, receipt.key))) {
-            return g / receipt.weight_sum;
-        }
-        return g / (receipt.weight_sum + g / ranges.prob(data.intensity, distance));
+        if (tree_.accepts(record, receipt.key, way)) return g / receipt.weight_sum;
+        return g / (receipt.weight_sum + g * tree_.inverse_prob(data, way));
     }
 
     std::uint32_t set_count() const noexcept override { return tree_.ranges().set_count(); }
 
     SelectionCounts count(const ShadingPoint& point) const noexcept override {
-        return tree_.for_each_accepted(tree_.frame().position(point.position), point.normal,
+        return tree_.for_each_accepted(tree_.frame().position(point.position), Receiver(point),
                                        point.set, [](const Accepted&) {});
     }
+
+    std::size_t memory_size() const noexcept override { return tree_.memory_size(); }
 
   private:
     /// As many of the points that `order` names as go into one packet; their number.
     std::size_t select_some(Span<const std::uint32_t> order, Span<const ShadingPoint> points,
                             Span<const float> u, Span<Selection> selections) const noexcept {
-        PointPacket packet;
-        packet.set = points[order[0]].set;
+        const std::uint32_t set = points[order[0]].set;
+        PacketBuilder builder(set);
+        const auto add = [&](std::uint32_t i) {
+            builder.add(points[i], tree_.frame().position(points[i].position), u[i]);
+        };
         std::size_t count = 0;
         while (count < std::min(order.size(), PointPacket::kSize) &&
-               points[order[count]].set == packet.set) {
-            put(points[order[count]], u[order[count]], packet, count);
-            ++count;
+               points[order[count]].set == set) {
+            add(order[count++]);
         }
-        // Places left over repeat the first point.
-        for (std::size_t i = count; i < PointPacket::kSize; ++i) {
-            put(points[order[0]], u[order[0]], packet, i);
-        }
-        PacketChoice choice;
-        select_packet(tree_, packet, choice);
+        while (builder.size() < PointPacket::kSize) add(order[0]);  // to fill it
+        PacketChoice choice{};
+        kernels().select_packet(tree_, builder.packet(), choice);
         for (std::size_t i = 0; i < count; ++i) {
-            Selection& selection = selections[order[i]];
             const float sum = choice.weight_sum[i];
-            selection = {0, 0.0f, {sum, packet.set}};
+            Selection& selection = selections[order[i]];
+            selection = {0, 0.0f, {sum, set}};
             if (!(sum > 0.0f)) continue;
             selection.light = tree_.to_light(choice.record[i]);
             selection.prob = choice.numerator[i] / sum;
         }
         return count;
-    }
-
-    void put(const ShadingPoint& point, float u, PointPacket& packet,
-             std::size_t i) const noexcept {
-        const float3 x = tree_.frame().position(point.position);
-        packet.x[i] = x.x;
-        packet.y[i] = x.y;
-        packet.z[i] = x.z;
-        packet.normal_x[i] = point.normal.x;
-        packet.normal_y[i] = point.normal.y;
-        packet.normal_z[i] = point.normal.z;
-        packet.u_bits[i] = float_bits(u);
     }
 
     CullingTree tree_;
@@ -124,7 +108,7 @@ std::unique_ptr<LightSampler> make_culled_sampler(Span<const Light> lights,
     check_set_count(options.set_count);
     const LightTable table = make_light_table(lights);
     const float reach = calibrate_reach(table, options.range, RangeLaw::kRandom);
-    return std::make_unique<CulledSampler>(table, reach, options.set_count);
+    return std::make_unique<CulledSampler>(table, RandomRanges(reach, options.set_count));
 }
 
 }  // namespace lightcull

@@ -1,17 +1,27 @@
 #include "lights/culling_tree.h"
 
-#include <tbb/parallel_for.h>
+#include <algorithm>
 
-#include "lights/sphere_tree_refit.h"
+#include "lights/kernels.h"
+#include "lights/memory_size.h"
+#include "lights/parallel_blocks.h"
 
 namespace lightcull {
+namespace {
 
-CullingTree::CullingTree(const LightTable& table, float reach, std::uint32_t set_count)
+/// More than there are threads on most machines, so that all of them are kept busy.
+constexpr std::uint32_t kRefitParts = 64;
+
+}  // namespace
+
+CullingTree::CullingTree(const LightTable& table, const RandomRanges& ranges)
     : frame_(table.frame),
-      ranges_(reach, set_count),
-      tree_(build_sphere_tree(table, reach)),
+      ranges_(ranges),
+      tree_(build_sphere_tree(table, ranges.reach())),
+      refit_order_(make_refit_order(tree_, kRefitParts)),
       record_of_(table.records.size(), kNoRecord),
-      radii_(tree_.slot_count() * set_count) {
+      radii_(tree_.slot_count() * ranges.set_count()),
+      around_(tree_.nodes.size() * std::min(ranges.set_count(), Refit::kMaxSets)) {
     for (std::size_t record = 0; record < tree_.lights.size(); ++record) {
         record_of_[tree_.lights[record]] = static_cast<std::uint32_t>(record);
     }
@@ -19,22 +29,30 @@ CullingTree::CullingTree(const LightTable& table, float reach, std::uint32_t set
 
 void CullingTree::begin_pass(std::uint64_t pass) {
     ranges_.begin_pass(pass);
-    constexpr std::uint32_t kTogether = 16;
-    const std::uint32_t sets = ranges_.set_count();
-    if (sets < kTogether) {
-        for (std::uint32_t set = 0; set < sets; ++set) refit<1>(set);
-    } else {
-        tbb::parallel_for(std::uint32_t{0}, sets / kTogether,
-                          [&](std::uint32_t block) { refit<kTogether>(block * kTogether); });
+    const std::uint32_t sets = ranges_.set_count(), together = std::min(sets, Refit::kMaxSets);
+    for (std::uint32_t set = 0; set < sets; set += together) refit(set, together);
+}
+
+void CullingTree::refit(std::uint32_t first_set, std::uint32_t set_count) {
+    const Refit job{tree_,
+                    ranges_,
+                    first_set,
+                    set_count,
+                    radii_.data() + first_set * tree_.slot_count(),
+                    around_.data()};
+    const auto refit_nodes = kernels().refit_nodes;
+    const std::vector<RefitOrder::Part>& parts = refit_order_.side_by_side;
+    for_each_block(parts.size(), 1, [&](std::size_t i, std::size_t) {
+        refit_nodes(job, parts[i].begin, parts[i].end);
+    });
+    for (const RefitOrder::Part& part : refit_order_.afterwards) {
+        refit_nodes(job, part.begin, part.end);
     }
 }
 
-template <std::size_t kSets>
-void CullingTree::refit(std::uint32_t first_set) {
-    const auto ranges_of = [&](std::uint32_t record, std::array<float, kSets>& out) {
-        ranges_.ranges(record, first_set, tree_.records[record].intensity, out);
-    };
-    refit_radii<kSets>(tree_, ranges_of, radii_.data() + first_set * tree_.slot_count());
+std::size_t CullingTree::memory_size() const noexcept {
+    return size_of(tree_.nodes) + size_of(tree_.parent_distances) + size_of(tree_.records) +
+           size_of(tree_.lights) + size_of(record_of_) + size_of(radii_) + size_of(around_);
 }
 
 }  // namespace lightcull

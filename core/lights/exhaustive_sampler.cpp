@@ -2,6 +2,7 @@
 
 #include "lights/importance.h"
 #include "lights/light_record.h"
+#include "lights/memory_size.h"
 #include "lights/reservoir.h"
 
 namespace lightcull {
@@ -19,7 +20,7 @@ class ExhaustiveSampler final : public LightSampler {
         const float3 x = table_.frame.position(point.position);
         Reservoir reservoir(u);
         for (const std::uint32_t i : table_.lit) {
-            const float g = importance_at(x, point.normal, i);
+            const float g = importance_at(x, Receiver(point), i);
             if (g > 0.0f) reservoir.add(i, g, g);
         }
         if (!reservoir.chosen()) return {};
@@ -29,7 +30,7 @@ class ExhaustiveSampler final : public LightSampler {
     float prob(const ShadingPoint& point, const Receipt& receipt,
                std::uint32_t light) const noexcept override {
         const float3 x = table_.frame.position(point.position);
-        const float g = importance_at(x, point.normal, light);
+        const float g = importance_at(x, Receiver(point), light);
         return g > 0.0f ? g / receipt.weight_sum : 0.0f;
     }
 
@@ -38,15 +39,19 @@ class ExhaustiveSampler final : public LightSampler {
         SelectionCounts counts;
         counts.lights_tested = static_cast<std::uint32_t>(table_.lit.size());
         for (const std::uint32_t i : table_.lit) {
-            if (importance_at(x, point.normal, i) > 0.0f) ++counts.accepted;
+            if (importance_at(x, Receiver(point), i) > 0.0f) ++counts.accepted;
         }
         return counts;
     }
 
+    std::size_t memory_size() const noexcept override {
+        return size_of(table_.records) + size_of(table_.lit);
+    }
+
   private:
-    float importance_at(float3 x, float3 normal, std::uint32_t i) const noexcept {
+    float importance_at(float3 x, const Receiver& receiver, std::uint32_t i) const noexcept {
         const LightRecord& light = table_.records[i];
-        return importance(light, approach(x, light.center), normal);
+        return importance(light, approach(x, light.center), receiver);
     }
 
     LightTable table_;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <lightcull/light_sampler.h>
+
 #include "base/float3_math.h"
 #include "lights/light_record.h"
 
@@ -52,13 +54,6 @@ inline float emitter_cosine(float cos_theta, Angle theta_o, float cos_theta_e,
     return cosine > cos_theta_e ? cosine : 0.0f;
 }
 
-/// The largest cosine under which a receiver sees anything of that sphere; 1 for a zero normal.
-inline float receiver_cosine(float3 normal, float3 direction, Angle half_view) noexcept {
-    if (normal.x == 0.0f && normal.y == 0.0f && normal.z == 0.0f) return 1.0f;
-    const float cosine = std::clamp(dot(normal, direction), -1.0f, 1.0f);
-    return std::max(0.0f, subtract_clamped(Angle::from_cosine(cosine), half_view).cosine);
-}
-
 /// Keeps 1 / d^2 finite for a point on a light without extent.
 inline constexpr float kMinDistance2 = 1e-30f;
 
@@ -84,19 +79,6 @@ inline float emitter_bound(const LightRecord& light, const Approach& way,
                           static_cast<float>(light.cos_theta_e) * LightRecord::kSnorm, half_view);
 }
 
-/// g_i(x) of [TH16] Eq. 9: intensity by the squared distance of the centre and by both cosines. The
-/// paper takes the largest cosine of three corners for the receiver; a bounding sphere has none, so
-/// both cosines are the largest that anything in the sphere can have. Tests hold samplers to it.
-inline float importance_bound(const LightRecord& light, const Approach& way,
-                              float3 normal) noexcept {
-    const float radius2 = light.radius * light.radius;
-    const float fall_off = light.intensity / std::max({way.distance2, radius2, kMinDistance2});
-    if (way.distance <= light.radius) return fall_off;  // x sees the sphere in every direction
-    const Angle half_view = half_view_of(light, way);
-    return fall_off * receiver_cosine(normal, way.direction(), half_view) *
-           emitter_bound(light, way, half_view);
-}
-
 /// The mean over a light of max(0, c), where c is a height above some plane: `height` at the
 /// light's centre, of a variance of `variance`.
 inline float mean_above(float height, float variance) noexcept {
@@ -111,19 +93,53 @@ inline constexpr float kHeightSpread = 0.375f;
 /// What rounding the axis to 16 bits may add to a cosine.
 inline constexpr float kAxisRounding = 5e-5f;
 
-/// An estimate of g_i(x), what the light gives a point but for visibility and BSDF: intensity by
-/// the mean squared distance, by the mean cosines at emitter and receiver. 0 only where the light
-/// cannot reach x. Bounds, as in importance_bound(), favour near lights wherever they face.
-inline float importance(const LightRecord& light, const Approach& way, float3 normal) noexcept {
+/// What a receiver does with light, as the importance takes it.
+struct Receiver {
+    float3 normal;  ///< 0: light from all sides counts alike
+    float diffuse = 1.0f;
+    float3 axis{0, 0, 1};  ///< of the glossy lobe
+    float alpha2 = 1.0f;   ///< the square of its alpha
+    float peak = 0.0f;     ///< 0: diffuse alone, whose albedo then does not matter
+
+    /// Diffuse.
+    Receiver(float3 n) noexcept : normal(n) {}
+    explicit Receiver(const ShadingPoint& point) noexcept
+        : normal(point.normal),
+          diffuse(point.diffuse),
+          axis(point.lobe.axis),
+          alpha2(point.lobe.alpha * point.lobe.alpha),
+          peak(point.lobe.peak) {}
+};
+
+/// The mean over a light of a GlossyLobe: in its formula alpha^2 grows by what the light's spread
+/// adds to the mean of (1 - c) / 2, and the peak falls so that the lobe holds as much as before.
+inline float mean_of_lobe(const Receiver& receiver, float cosine, float angular_spread) noexcept {
+    const float width = receiver.alpha2 + 0.25f * angular_spread;
+    const float inverse = 1.0f / (width + 0.5f * (1.0f - cosine));
+    return receiver.peak * receiver.alpha2 * width * inverse * inverse;
+}
+
+/// An estimate of g_i(x) of [TH16] Eq. 9, what the light gives a point but for visibility:
+/// intensity by the mean squared distance, by the mean cosine at the emitter and the mean of cosine
+/// times BSDF at the receiver. 0 only where the light cannot reach x. Largest cosines, as the paper
+/// has them for the receiver, would favour near lights wherever they face.
+inline float importance(const LightRecord& light, const Approach& way,
+                        const Receiver& receiver) noexcept {
     const float spread = kSpread * light.radius * light.radius;
     const float mean_distance2 = std::max(way.distance2 + spread, kMinDistance2);
     const float inverse = 1.0f / std::sqrt(mean_distance2);
 
-    float receiver = 1.0f;
+    const float3 normal = receiver.normal;
+    float received = 1.0f;
     if (normal.x != 0.0f || normal.y != 0.0f || normal.z != 0.0f) {
         const float height = dot(normal, way.way);
         if (height + light.radius <= 0.0f) return 0.0f;
-        receiver = mean_above(height, kHeightSpread * spread) * inverse;
+        received = mean_above(height, kHeightSpread * spread) * inverse;
+    }
+    if (receiver.peak > 0.0f) {
+        const float cosine = dot(receiver.axis, way.way) * inverse;
+        received = receiver.diffuse * received +
+                   mean_of_lobe(receiver, cosine, spread * inverse * inverse);
     }
 
     float emitter = 1.0f;
@@ -136,7 +152,7 @@ inline float importance(const LightRecord& light, const Approach& way, float3 no
         emitter = emitter_bound(light, way, half_view_of(light, way));
     }
     if (!(emitter > 0.0f)) return 0.0f;
-    return light.intensity * inverse * inverse * receiver * emitter;
+    return light.intensity * inverse * inverse * received * emitter;
 }
 
 }  // namespace lightcull

@@ -8,11 +8,12 @@
 
 #include <hwy/highway.h>
 
-#include "lights/light_bvh_traverse.h"
+#include "lights/light_bvh_descend.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace lightcull {
 namespace HWY_NAMESPACE {
+namespace bvh {
 namespace hn = hwy::HWY_NAMESPACE;
 
 constexpr std::size_t kWidth = LightBvhNode::kWidth;
@@ -42,6 +43,20 @@ HWY_ATTR HWY_INLINE AngleVec subtract_clamped(AngleVec a, AngleVec b) {
     return {hn::IfThenZeroElse(none, sine), hn::IfThenElse(none, hn::Set(Tag(), 1.0f), cosine)};
 }
 
+/// diffuse * received + the glossy lobe of the point at a cosine to its axis. angular_spread: as
+/// mean_of_lobe() has it.
+HWY_ATTR HWY_NOINLINE inline Vec with_lobe(const LightBvhPoint& point, Vec cosine,
+                                           Vec angular_spread, Vec received) {
+    const Tag d;
+    const auto alpha2 = hn::Set(d, point.alpha2);
+    const auto width = hn::Add(alpha2, hn::Mul(hn::Set(d, 0.25f), angular_spread));
+    const auto off_axis = hn::Mul(hn::Set(d, 0.5f), hn::Sub(hn::Set(d, 1.0f), cosine));
+    const auto inverse = hn::Div(hn::Set(d, 1.0f), hn::Add(width, off_axis));
+    const auto lobe =
+        hn::Mul(hn::Mul(hn::Mul(hn::Mul(hn::Set(d, point.peak), alpha2), width), inverse), inverse);
+    return hn::Add(hn::Mul(hn::Set(d, point.diffuse), received), lobe);
+}
+
 /// The geometric importance of Conty Estevez & Kulla 2018, of the clusters under a node: intensity
 /// by the squared distance to the middle of their bounds, by the largest cosines of emitter and
 /// receiver that the angle filled by the bounds allows. An importance is 0 only where none of the
@@ -50,8 +65,8 @@ HWY_ATTR HWY_INLINE AngleVec subtract_clamped(AngleVec a, AngleVec b) {
 /// Here the bounds of a node are the sphere around its box (the eight corners of the box give 5 %
 /// less variance for a third more time), a receiver has one side, and the distance is at least half
 /// the radius (the mean variance is up to three times as large with all, no smaller with less).
-HWY_ATTR HWY_INLINE void importances_here(const BoundsNode& node, const LightBvhPoint& point,
-                                          float* HWY_RESTRICT result) {
+HWY_ATTR HWY_INLINE void compute_importances(const BoundsNode& node, const LightBvhPoint& point,
+                                             float* HWY_RESTRICT result) {
     const Tag d;
     const auto one = hn::Set(d, 1.0f);
     const auto nx = hn::Set(d, point.normal.x), ny = hn::Set(d, point.normal.y),
@@ -76,7 +91,17 @@ HWY_ATTR HWY_INLINE void importances_here(const BoundsNode& node, const LightBvh
         const auto height = hn::Mul(dot(nx, ny, nz, wx, wy, wz), inverse);
         const auto seen = largest_cosine({other_of(height), height});
         const auto all_sides = hn::Gt(hn::Set(d, point.from_all_sides), hn::Zero(d));
-        const auto received = hn::IfThenElse(all_sides, one, seen);
+        auto received = hn::IfThenElse(all_sides, one, seen);
+        auto anything = one;  // what the receiver can make of the light at best
+        if (point.peak > 0.0f) {
+            const auto mirrored = hn::Mul(dot(hn::Set(d, point.axis.x), hn::Set(d, point.axis.y),
+                                              hn::Set(d, point.axis.z), wx, wy, wz),
+                                          inverse);
+            const auto closest = subtract_clamped({other_of(mirrored), mirrored}, half_view).cosine;
+            const auto glossy = with_lobe(point, closest, hn::Zero(d), received);
+            received = hn::IfThenElseZero(hn::Gt(received, hn::Zero(d)), glossy);
+            anything = hn::Set(d, point.diffuse + point.peak);
+        }
 
         const auto cos_theta_e = load(node.cos_theta_e);
         const auto two_sided = hn::CopySign(one, cos_theta_e);  // -1: yes
@@ -89,12 +114,12 @@ HWY_ATTR HWY_INLINE void importances_here(const BoundsNode& node, const LightBvh
 
         // Within the bounds nothing is known of either angle.
         const auto inside = hn::Ge(radius, distance);
-        const auto cosines = hn::IfThenElse(inside, one, hn::Mul(received, emitted));
+        const auto factor = hn::IfThenElse(inside, anything, hn::Mul(received, emitted));
         const auto inverse_clamped =
             hn::Div(one, hn::Max(distance, hn::Mul(hn::Set(d, 0.5f), radius)));
         const auto fall_off =
             hn::Mul(hn::Mul(load(node.intensity), inverse_clamped), inverse_clamped);
-        hn::Store(hn::Mul(fall_off, cosines), d, result + i);
+        hn::Store(hn::Mul(fall_off, factor), d, result + i);
     }
 }
 
@@ -113,8 +138,8 @@ HWY_ATTR inline Vec softened(Vec c, Vec q) {
 ///
 /// Measured on seven scenes, the variance of the estimate is 1.7 to 17 times smaller than by
 /// bounds.
-HWY_ATTR HWY_INLINE void importances_here(const MeansNode& node, const LightBvhPoint& point,
-                                          float* HWY_RESTRICT result) {
+HWY_ATTR HWY_INLINE void compute_importances(const MeansNode& node, const LightBvhPoint& point,
+                                             float* HWY_RESTRICT result) {
     const Tag d;
     const auto nx = hn::Set(d, point.normal.x), ny = hn::Set(d, point.normal.y),
                nz = hn::Set(d, point.normal.z);
@@ -138,8 +163,19 @@ HWY_ATTR HWY_INLINE void importances_here(const MeansNode& node, const LightBvhP
         const auto signed_spread = load(node.spread);
         const auto spread = hn::Abs(signed_spread);
         const auto mean_distance2 = hn::Add(distance2, spread);
-        const auto received = softened(
+        auto received = softened(
             height, hn::Add(spread, hn::Mul(hn::Set(d, point.from_all_sides), mean_distance2)));
+        if (point.peak > 0.0f) {
+            const auto root = hn::Sqrt(mean_distance2);
+            const auto inverse_root = hn::Div(hn::Set(d, 1.0f), root);
+            const auto mirrored = dot(hn::Set(d, point.axis.x), hn::Set(d, point.axis.y),
+                                      hn::Set(d, point.axis.z), wx, wy, wz);
+            const auto half = hn::Set(d, 0.5f);
+            const auto glossy = with_lobe(point, hn::Mul(mirrored, inverse_root),
+                                          hn::Mul(hn::Mul(spread, inverse_root), inverse_root),
+                                          hn::Mul(hn::Mul(half, received), inverse_root));
+            received = hn::Mul(hn::Add(root, root), glossy);
+        }
         const auto across_emitter = hn::Max(signed_spread, hn::Zero(d));
         const auto emitted =
             softened(facing, hn::Add(across_emitter, hn::Mul(hn::Abs(diffuse), mean_distance2)));
@@ -159,6 +195,7 @@ HWY_ATTR HWY_INLINE void importances_here(const MeansNode& node, const LightBvhP
     }
 }
 
+}  // namespace bvh
 }  // namespace HWY_NAMESPACE
 }  // namespace lightcull
 HWY_AFTER_NAMESPACE();

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 
+#include "lights/kernels.h"
 #include "lights/light_bvh.h"
-#include "lights/light_bvh_traverse.h"
+#include "lights/light_bvh_descend.h"
+#include "lights/memory_size.h"
 #include "lights/parallel_blocks.h"
 #include "lights/refine.h"
 
@@ -22,7 +24,7 @@ class LightBvhSampler final : public LightSampler {
     Selection select(const ShadingPoint& point, float u) const noexcept override {
         if (bvh_.nodes.empty()) return {};
         LightBvhDescent descent{to_local(point), refine(u, point)};
-        descend(bvh_, {&descent, 1});
+        of_bvh().descend(bvh_, {&descent, 1});
         return result(descent);
     }
 
@@ -44,7 +46,7 @@ class LightBvhSampler final : public LightSampler {
 
     float prob(const ShadingPoint& point, const Receipt&,
                std::uint32_t light) const noexcept override {
-        return static_cast<float>(prob_of_light(bvh_, to_local(point), light));
+        return static_cast<float>(of_bvh().prob_of_light(bvh_, to_local(point), light));
     }
 
     /// Of the selection with u = 0.5. All children of the nodes on its way are tested; those that
@@ -53,7 +55,7 @@ class LightBvhSampler final : public LightSampler {
         SelectionCounts counts;
         if (bvh_.nodes.empty()) return counts;
         LightBvhDescent descent{to_local(point), refine(0.5f, point)};
-        descend(bvh_, {&descent, 1});
+        of_bvh().descend(bvh_, {&descent, 1});
         const std::uint32_t last = descent.prob > 0.0
                                        ? bvh_.slots[result(descent).light] / LightBvhNode::kWidth
                                        : descent.child;
@@ -63,7 +65,13 @@ class LightBvhSampler final : public LightSampler {
         }
     }
 
+    std::size_t memory_size() const noexcept override {
+        return size_of(bvh_.nodes) + size_of(bvh_.parents) + size_of(bvh_.slots);
+    }
+
   private:
+    static const LightBvhKernels<Node>& of_bvh() noexcept { return kernels().of_bvh<Node>(); }
+
     /// At most kMaxDescents points, in turn, so that one waits for memory while others compute.
     void select_some(Span<const ShadingPoint> points, const float* u,
                      Selection* selections) const noexcept {
@@ -71,18 +79,19 @@ class LightBvhSampler final : public LightSampler {
         for (std::size_t i = 0; i < points.size(); ++i) {
             descents[i] = {to_local(points[i]), refine(u[i], points[i])};
         }
-        descend(bvh_, {descents.data(), points.size()});
+        of_bvh().descend(bvh_, {descents.data(), points.size()});
         for (std::size_t i = 0; i < points.size(); ++i) selections[i] = result(descents[i]);
     }
 
     LightBvhPoint to_local(const ShadingPoint& point) const noexcept {
-        return {frame_.position(point.position), point.normal};
+        return {frame_.position(point.position), Receiver(point)};
     }
 
     static void add(const Node& node, const LightBvhPoint& point,
                     SelectionCounts& counts) noexcept {
         ++counts.nodes_visited;
-        const LightBvhImportances all = importances(node, point);
+        LightBvhImportances all;
+        of_bvh().importances(node, point, all.of);
         for (std::size_t i = 0; i < LightBvhNode::kWidth; ++i) {
             if (node.child[i] == LightBvhNode::kEmpty) continue;
             ++counts.lights_tested;

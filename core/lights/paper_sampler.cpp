@@ -51,7 +51,7 @@ class LightList {
 class PaperSampler final : public LightSampler {
   public:
     PaperSampler(const LightTable& table, float reach, const PaperOptions& options)
-        : tree_(table, reach, options.set_count),
+        : tree_(table, RandomRanges(reach, options.set_count)),
           range_at_vertex_(options.range_at_vertex),
           weight_by_g_(options.weight_by_g),
           list_size_(options.list_size),
@@ -78,13 +78,10 @@ class PaperSampler final : public LightSampler {
         const LightRecord& data = tree_.record(record);
         if (prob_is_proxy()) return data.intensity / intensity_sum_;
         const Approach way = approach(tree_.frame().position(point.position), data.center);
-        const RandomRanges& ranges = tree_.ranges();
-        const float distance = distance_to_sphere(way.distance, data);
-        const Accepted as_if{record, importance(data, way, point.normal),
-                             ranges.prob(data.intensity, distance)};
+        const Accepted as_if{record, importance(data, way, Receiver(point)),
+                             tree_.inverse_prob(data, way)};
         if (!(as_if.importance > 0.0f)) return 0.0f;
-        const bool accepted =
-            ranges.accepts(data.intensity, distance, ranges.xi(record, receipt.key));
+        const bool accepted = tree_.accepts(record, receipt.key, way);
         const float sum = receipt.weight_sum + (accepted ? 0.0f : weight(as_if));
         return numerator(as_if) / sum;
     }
@@ -99,24 +96,26 @@ class PaperSampler final : public LightSampler {
         const std::uint32_t record = tree_.to_record(light);
         const float intensity = tree_.record(record).intensity;
         const float distance = length(frame.position(vertex) - frame.position(point.position));
-        if (!ranges.accepts(intensity, distance, ranges.xi(record, receipt.key))) return 0.0f;
-        return ranges.prob(intensity, distance);
+        if (distance > ranges.range(intensity, ranges.xi(record, receipt.key))) return 0.0f;
+        return 1.0f / ranges.inverse_prob(intensity, distance);
     }
 
     std::uint32_t set_count() const noexcept override { return tree_.ranges().set_count(); }
 
     SelectionCounts count(const ShadingPoint& point) const noexcept override {
-        return tree_.for_each_accepted(tree_.frame().position(point.position), point.normal,
+        return tree_.for_each_accepted(tree_.frame().position(point.position), Receiver(point),
                                        point.set, [](const Accepted&) {});
     }
 
+    std::size_t memory_size() const noexcept override { return tree_.memory_size(); }
+
   private:
     float weight(const Accepted& accepted) const noexcept {
-        return weight_by_g_ ? accepted.importance : accepted.importance / accepted.prob;
+        return weight_by_g_ ? accepted.importance : accepted.importance * accepted.inverse_prob;
     }
     /// p_i q(i) of Eq. 10 times the sum in q(i), without what the vertex decides.
     float numerator(const Accepted& accepted) const noexcept {
-        return range_at_vertex_ ? weight(accepted) : accepted.prob * weight(accepted);
+        return range_at_vertex_ ? weight(accepted) : weight(accepted) / accepted.inverse_prob;
     }
 
     void add(const Accepted& accepted, Reservoir& reservoir) const noexcept {
@@ -126,7 +125,7 @@ class PaperSampler final : public LightSampler {
     Selection select_of_all(const ShadingPoint& point, float u) const noexcept {
         const float3 x = tree_.frame().position(point.position);
         Reservoir reservoir(u);
-        tree_.for_each_accepted(x, point.normal, point.set,
+        tree_.for_each_accepted(x, Receiver(point), point.set,
                                 [&](const Accepted& accepted) { add(accepted, reservoir); });
         return selection(reservoir, point.set, 1.0f);
     }
@@ -134,7 +133,7 @@ class PaperSampler final : public LightSampler {
     Selection select_of_list(const ShadingPoint& point, float u) const noexcept {
         const float3 x = tree_.frame().position(point.position);
         LightList list(list_size_, hash(float_bits(u), float_bits(x.x), float_bits(x.y)));
-        tree_.for_each_accepted(x, point.normal, point.set,
+        tree_.for_each_accepted(x, Receiver(point), point.set,
                                 [&](const Accepted& accepted) { list.add(accepted); });
         Reservoir reservoir(u);
         for (std::uint32_t i = 0; i < list.size(); ++i) add(list[i], reservoir);

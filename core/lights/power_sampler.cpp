@@ -41,6 +41,8 @@ class PowerSampler final : public LightSampler {
         return {0, 0, table_.size()};
     }
 
+    std::size_t memory_size() const noexcept override { return table_.memory_size(); }
+
   private:
     AliasTable table_;
 };

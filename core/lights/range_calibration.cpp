@@ -80,7 +80,7 @@ std::vector<ShadingPoint> points_or_drawn(const LightTable& table, const RangeOp
     const float3 extent = high - low;
     for (std::size_t i = 0; i < kDrawnPoints; ++i) {
         const float x = random.next(), y = random.next(), z = random.next();
-        points.push_back({low + float3{extent.x * x, extent.y * y, extent.z * z}, {0, 0, 0}, 0});
+        points.push_back({low + float3{extent.x * x, extent.y * y, extent.z * z}, {0, 0, 0}});
     }
     return points;
 }
@@ -96,7 +96,7 @@ std::vector<float> sorted_thresholds(const LightTable& table,
         for (const std::uint32_t i : lights) {
             const LightRecord& light = table.records[i];
             const Approach way = approach(point.position, light.center);
-            if (!(importance(light, way, point.normal) > 0.0f)) continue;
+            if (!(importance(light, way, Receiver(point)) > 0.0f)) continue;
             const float distance = distance_to_sphere(way.distance, light);
             thresholds.push_back(distance * distance / light.intensity);
         }

@@ -3,11 +3,9 @@
 #include <lightcull/samplers.h>
 
 #include "lights/light_record.h"
+#include "lights/ranges.h"
 
 namespace lightcull {
-
-/// Whether a range is drawn anew per pass ([TH16] Eq. 7) or constant (appendix A).
-enum class RangeLaw { kRandom, kConstant };
 
 /// The factor by which a light's intensity is to be multiplied for the square of its range at
 /// xi = 1, in the units of the table: 1 / alpha_i is reach * intensity. From options.error_bound,

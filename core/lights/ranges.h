@@ -8,10 +8,16 @@
 
 #include "base/random.h"
 #include "base/scramble.h"
-#include "lights/light_record.h"
+#include "lights/importance.h"
 #include "lights/pattern.h"
 
 namespace lightcull {
+
+/// What a light's range depends on.
+enum class RangeLaw {
+    kRandom,    ///< [TH16] Eq. 3
+    kConstant,  ///< xi is always 1: [TH16] appendix A
+};
 
 /// The random ranges of one pass: for each light and set a number xi, its range, and whether a
 /// point is within it. Lights are numbered as the caller of these functions likes, always alike.
@@ -19,7 +25,8 @@ class RandomRanges {
   public:
     /// reach: E / (2 pi epsilon_max) in the units of a LightTable, so that 1 / alpha_i of [TH16]
     /// Eq. 7 is reach * intensity.
-    RandomRanges(float reach, std::uint32_t set_count) : reach_(reach), ranks_(set_count) {
+    RandomRanges(float reach, std::uint32_t set_count, RangeLaw law = RangeLaw::kRandom)
+        : reach_(reach), law_(law), ranks_(set_count) {
         const std::uint32_t log4_sets = log4_of(set_count);
         for (std::uint32_t set = 0; set < set_count; ++set) {
             const std::uint64_t rank = rank_of_set(set, log4_sets);
@@ -33,6 +40,7 @@ class RandomRanges {
         key_high_ = static_cast<std::uint32_t>(key >> 32);
     }
 
+    float reach() const noexcept { return reach_; }
     std::uint32_t set_count() const noexcept { return static_cast<std::uint32_t>(ranks_.size()); }
 
     /// xi_i of the light in a set: uniform in (0, 1], independent from light to light, and in set s
@@ -43,7 +51,7 @@ class RandomRanges {
 
     /// The distance, from a light's bounding sphere, at which p_i falls to xi: [TH16] Eq. 3.
     float range(float intensity, float xi) const noexcept {
-        return std::sqrt(reach_ * intensity / xi);
+        return std::sqrt(limit(intensity) / xi);
     }
 
     /// The ranges of a light in sets first_set and following.
@@ -57,20 +65,19 @@ class RandomRanges {
     }
 
     /// The square of the range of a light of that intensity at xi = 1: 1 / alpha_i.
-    float limit(float intensity) const noexcept { return reach_ * intensity; }
-
-    /// p_i at a distance from the bounding sphere, 0 inside: [TH16] Eq. 1.
-    float prob(float intensity, float distance) const noexcept {
-        const float distance2 = distance * distance;
-        return distance2 <= limit(intensity) ? 1.0f : limit(intensity) / distance2;
+    float limit(float intensity) const noexcept {
+        return std::max(reach_ * intensity, kLeastLimit);
     }
 
-    /// p_i >= xi, without a division.
-    bool accepts(float intensity, float distance, float xi) const noexcept {
-        return distance * distance * xi <= limit(intensity);
+    /// 1 / p_i at a distance from the bounding sphere, 0 inside: [TH16] Eq. 1.
+    float inverse_prob(float intensity, float distance) const noexcept {
+        return std::max(distance * distance * (1.0f / limit(intensity)), 1.0f);
     }
 
   private:
+    /// Has an inverse.
+    static constexpr float kLeastLimit = 1e-36f;
+
     /// xi before it is turned, as high * 2^-32 + low * 2^-56.
     struct Digits {
         std::uint32_t high;
@@ -78,6 +85,7 @@ class RandomRanges {
     };
 
     Digits digits(std::uint32_t light) const noexcept {
+        if (law_ == RangeLaw::kConstant) return {0xffffffffu, 0x1p24f};
         const std::uint32_t high = scramble(scramble(light ^ key_low_) + key_high_);
         return {high, static_cast<float>(scramble(high + key_low_) >> 8) + 1.0f};
     }
@@ -86,9 +94,17 @@ class RandomRanges {
     }
 
     float reach_;
+    RangeLaw law_;
     std::uint32_t key_low_ = 0, key_high_ = 0;
     std::vector<std::uint32_t> ranks_;  ///< by set, as a fraction of 2^32
 };
+
+/// Whether a point is within `range` of a light's bounding sphere: p_i > xi_i for the range of
+/// xi_i. The sphere tree tests its leaves by the same arithmetic.
+inline bool is_within(const Approach& way, const LightRecord& light, float range) noexcept {
+    const float radius = range + light.radius;
+    return way.distance2 <= radius * radius;
+}
 
 /// From a point to a light's bounding sphere; 0 inside.
 inline float distance_to_sphere(float distance_to_center, const LightRecord& light) noexcept {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "lights/light_record.h"
+#include "lights/memory_size.h"
 #include "lights/refine.h"
 
 namespace lightcull {
@@ -34,6 +35,8 @@ class UniformSampler final : public LightSampler {
     SelectionCounts count(const ShadingPoint&) const noexcept override {
         return {0, 0, static_cast<std::uint32_t>(lit_.size())};
     }
+
+    std::size_t memory_size() const noexcept override { return size_of(lit_) + is_lit_.size() / 8; }
 
   private:
     std::vector<std::uint32_t> lit_;

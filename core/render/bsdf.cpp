@@ -55,6 +55,20 @@ V3f Bsdf::fresnel(float cosine) const noexcept {
     return f0_ + (V3f(1.0f) - f0_) * (m2 * m2 * m);
 }
 
+float Bsdf::diffuse_part() const noexcept {
+    const V3f reflected = specular_prob_ > 0.0f ? fresnel(outgoing_.z) : V3f(0.0f);
+    return kInvPi * luminance(diffuse_ * (V3f(1.0f) - reflected));
+}
+
+GlossyLobe Bsdf::glossy_part() const noexcept {
+    if (specular_prob_ == 0.0f) return {};
+    // evaluate() in the mirror direction, where the half vector is the normal.
+    const float masking = masking_over_two_cosines(outgoing_.z, alpha_);
+    const float peak = ggx(V3f(0.0f, 0.0f, 1.0f), alpha_) * masking * masking * outgoing_.z;
+    const V3f mirrored(-outgoing_.x, -outgoing_.y, outgoing_.z);
+    return {to_float3(frame_.to_world(mirrored)), alpha_, peak * luminance(fresnel(outgoing_.z))};
+}
+
 BsdfValue Bsdf::evaluate(const V3f& incoming) const noexcept {
     return evaluate_local(frame_.to_local(incoming));
 }

@@ -2,6 +2,8 @@
 
 #include "render/vec.h"
 
+#include <lightcull/light_sampler.h>
+
 namespace lightcull {
 
 /// GGX's alpha is not let below this (a perceptual roughness of 0.032), so that a mirror is a
@@ -43,6 +45,11 @@ class Bsdf {
     BsdfSample sample(float lobe, const V2f& u) const noexcept;
 
     const V3f& normal() const noexcept { return frame_.normal; }
+
+    /// The two parts of it as a light sampler takes them (ShadingPoint::diffuse and lobe), 1/sr by
+    /// luminance.
+    float diffuse_part() const noexcept;
+    GlossyLobe glossy_part() const noexcept;
 
   private:
     BsdfValue evaluate_local(const V3f& incoming) const noexcept;

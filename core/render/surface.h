@@ -18,7 +18,8 @@ struct Surface {
 
     /// What a light sampler is asked about: the shading normal, on the viewer's side.
     ShadingPoint shading_point(std::uint32_t set) const noexcept {
-        return {to_float3(position), to_float3(bsdf.normal()), set};
+        return {to_float3(position), to_float3(bsdf.normal()), set, bsdf.diffuse_part(),
+                bsdf.glossy_part()};
     }
 };
 

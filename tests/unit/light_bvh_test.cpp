@@ -1,5 +1,5 @@
 #include <doctest/doctest.h>
-#include <hwy/highway.h>
+#include <lightcull/instruction_set.h>
 #include <lightcull/samplers.h>
 #include <tbb/task_arena.h>
 
@@ -10,11 +10,13 @@
 #include <type_traits>
 #include <vector>
 
+#include "importance_bound.h"
 #include "lights/importance.h"
+#include "lights/kernels.h"
 #include "lights/light_bvh.h"
 #include "lights/light_bvh_build.h"
 #include "lights/light_bvh_cluster.h"
-#include "lights/light_bvh_traverse.h"
+#include "lights/light_bvh_descend.h"
 #include "test_lights.h"
 
 using namespace lightcull;
@@ -62,7 +64,14 @@ template <>
 constexpr LightBvhOptions kOptions<BoundsNode>{ClusterImportance::kBounds};
 
 LightBvhPoint local(const LightTable& table, const ShadingPoint& point) {
-    return {table.frame.position(point.position), point.normal};
+    return {table.frame.position(point.position), Receiver(point)};
+}
+
+template <typename Node>
+LightBvhImportances importances(const Node& node, const LightBvhPoint& point) {
+    LightBvhImportances result;
+    kernels().of_bvh<Node>().importances(node, point, result.of);
+    return result;
 }
 
 /// The probability of every light by a walk over the whole tree, and what goes to nodes none of
@@ -522,7 +531,7 @@ TEST_CASE("light bvh: by means, lights of one node are chosen in proportion to i
         for (std::uint32_t i = 0; i < 3; ++i) {
             const LightRecord& light = table.records[i];
             shares[i] =
-                importance(light, approach(table.frame.position(x), light.center), {0, 0, 0});
+                importance(light, approach(table.frame.position(x), light.center), float3{0, 0, 0});
             sum += shares[i];
         }
         for (std::uint32_t i = 0; i < 3; ++i) {
@@ -539,7 +548,8 @@ TEST_CASE("light bvh: by bounds, importance is what the paper's formula gives") 
     const LightBvh<BoundsNode> bvh = build_light_bvh<BoundsNode>(table);
     int above_zero = 0, zero = 0, inside = 0;
     for (const ShadingPoint& shading_point : mixed_points(200, 29, 1)) {
-        const LightBvhPoint point = local(table, shading_point);
+        const LightBvhPoint point(table.frame.position(shading_point.position),
+                                  shading_point.normal);
         for (const BoundsNode& node : bvh.nodes) {
             const LightBvhImportances all = importances(node, point);
             for (std::size_t i = 0; i < kWidth; ++i) {
@@ -565,7 +575,7 @@ TEST_CASE_TEMPLATE("light bvh: the least and the greatest u choose lights that r
         const AllProbs all(bvh, local(table, point));
         for (const double u : {0.0, 1e-300, 0x1p-53, 0.5, 1.0 - 0x1p-53}) {
             LightBvhDescent descent{local(table, point), u};
-            descend(bvh, {&descent, 1});
+            kernels().of_bvh<Node>().descend(bvh, {&descent, 1});
             REQUIRE(descent.place >= 0.0);
             REQUIRE(descent.place < 1.0);
             if (is_light(descent.child)) {
@@ -607,27 +617,21 @@ TEST_CASE_TEMPLATE("light bvh: all instruction sets choose alike, to the bit", N
         for (std::size_t i = 0; i < points.size(); ++i) {
             descents.push_back(
                 {local(table, points[i]), static_cast<double>(uniform_float(hash(i, 21)))});
-            descend(bvh, {&descents[i], 1});
+            kernels().of_bvh<Node>().descend(bvh, {&descents[i], 1});
         }
         return descents;
     };
     const auto expected = run();
-    int targets = 0;
-    const auto all = hwy::SupportedTargets();
-    for (auto rest = all; rest != 0; rest &= rest - 1) {
-        hwy::SetSupportedTargetsForTest(rest & (~rest + 1));
-        hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+    for (const std::string& name : instruction_sets()) {
+        use_instruction_set(name);
         const auto descents = run();
         for (std::size_t i = 0; i < points.size(); ++i) {
             REQUIRE(descents[i].child == expected[i].child);
             REQUIRE(descents[i].prob == expected[i].prob);
             REQUIRE(descents[i].place == expected[i].place);
         }
-        ++targets;
     }
-    hwy::SetSupportedTargetsForTest(0);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-    CHECK(targets >= 1);
+    use_instruction_set(instruction_sets().front());
 }
 
 TEST_CASE_TEMPLATE("light bvh: counts are those of one way down", Node, BoundsNode, MeansNode) {

@@ -88,7 +88,8 @@ TEST_CASE("a spot reaches as far as its outer cone and no farther") {
     const auto at = [&](float angle) {
         const float3 x{std::sin(angle), 0, -std::cos(angle)};
         return importance(table.records[0],
-                          approach(table.frame.position(x), table.records[0].center), {0, 0, 0});
+                          approach(table.frame.position(x), table.records[0].center),
+                          float3{0, 0, 0});
     };
     CHECK(at(0.0f) == doctest::Approx(1.0f));
     CHECK(at(0.29f) == doctest::Approx(1.0f));

@@ -113,6 +113,7 @@ class NaiveSampler final : public LightSampler {
     SelectionCounts count(const ShadingPoint& point) const noexcept override {
         return inner_->count(point);
     }
+    std::size_t memory_size() const noexcept override { return inner_->memory_size(); }
 
   private:
     std::unique_ptr<LightSampler> inner_;

@@ -199,3 +199,32 @@ TEST_CASE("a BSDF is 0 below the surface, and a roughness of 0 is a mirror") {
         CHECK(s.weight.y == doctest::Approx(0.8 + 0.2 * std::pow(0.4, 5)).epsilon(0.01));
     }
 }
+
+TEST_CASE("the parts that light samplers are told of are the BSDF in the mirror direction") {
+    for (const Case& c : cases()) {
+        for (const V3f& outgoing : views()) {
+            CAPTURE(c.name);
+            CAPTURE(outgoing.z);
+            const Bsdf bsdf = c.towards(outgoing);
+            const lightcull::GlossyLobe lobe = bsdf.glossy_part();
+            CHECK((lobe.peak > 0.0f) == !c.is_diffuse);
+            const auto estimate = [&](const V3f& incoming) {
+                const float along = incoming.dot(lightcull::to_v3f(lobe.axis));
+                const float fall = 1.0f + (1.0f - along) / (2.0f * lobe.alpha * lobe.alpha);
+                return bsdf.diffuse_part() * incoming.z + lobe.peak / (fall * fall);
+            };
+            const auto truth = [&](const V3f& incoming) {
+                return lightcull::luminance(bsdf.evaluate(incoming).value);
+            };
+            const V3f mirrored(-outgoing.x, -outgoing.y, outgoing.z);
+            CHECK(estimate(mirrored) == doctest::Approx(truth(mirrored)).epsilon(1e-3));
+            // From above, where masking and cosines change little, also around it.
+            if (outgoing.z < 1.0f) continue;
+            for (const float tilt : {0.05f, 0.2f, 0.4f}) {
+                const V3f aside(std::sin(tilt), 0.0f, std::cos(tilt));
+                CHECK(estimate(aside) > 0.8f * truth(aside));
+                CHECK(estimate(aside) < 1.25f * truth(aside));
+            }
+        }
+    }
+}

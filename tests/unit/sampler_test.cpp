@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "importance_bound.h"
 #include "lights/importance.h"
 #include "test_lights.h"
 

@@ -52,6 +52,13 @@ inline std::vector<Light> mixed_lights(std::uint32_t count, std::uint64_t seed,
     return lights;
 }
 
+inline GlossyLobe random_lobe(RandomStream& random) {
+    const float3 axis = random_direction(random);
+    const float alpha = std::exp(-5.0f * random.next());
+    return {axis * (1.0f / length(axis)), alpha, 10.0f * random.next()};
+}
+
+/// With and without normals and glossy lobes.
 inline std::vector<ShadingPoint> mixed_points(std::uint32_t count, std::uint64_t seed,
                                               std::uint32_t set_count, float half_extent = 1.2f) {
     RandomStream random(seed);
@@ -60,6 +67,7 @@ inline std::vector<ShadingPoint> mixed_points(std::uint32_t count, std::uint64_t
         const float3 x = random_in_box(random, half_extent);
         const float3 n = i % 4 == 3 ? float3{0, 0, 0} : random_direction(random);
         points.push_back({x, n, static_cast<std::uint32_t>(hash(i, seed) % set_count)});
+        if (i % 3 == 1) points.back().lobe = random_lobe(random);
     }
     return points;
 }

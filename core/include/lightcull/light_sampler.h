@@ -3,9 +3,19 @@
 #include <lightcull/float3.h>
 #include <lightcull/span.h>
 
+#include <cstddef>
 #include <cstdint>
 
 namespace lightcull {
+
+/// The glossy part of what a surface does with light: its BSDF times cosine is taken as
+/// peak / (1 + (1 - c) / (2 alpha^2))^2, with c the cosine between the light's direction and
+/// `axis`. With alpha the roughness of a GGX surface, this is its D(h) in the plane of incidence.
+struct GlossyLobe {
+    float3 axis{0, 0, 1};  ///< unit length; mirror direction of the view
+    float alpha = 1.0f;    ///< (0, 1]
+    float peak = 0.0f;     ///< in units of ShadingPoint::diffuse, >= 0; 0: there is no such part
+};
 
 /// A point to be lit.
 struct ShadingPoint {
@@ -13,6 +23,9 @@ struct ShadingPoint {
     float3 normal;          ///< unit length, on the side that receives light; 0 in a volume or
                             ///< where light from both sides counts
     std::uint32_t set = 0;  ///< set of random ranges to use, < LightSampler::set_count()
+    float diffuse = 1.0f;   ///< diffuse albedo / pi, in any unit, >= 0; a little of it guards a
+                            ///< sampler from a lobe that is wrong
+    GlossyLobe lobe{};      ///< for surfaces that are glossy
 };
 
 /// What a path carries from select() to prob() for multiple importance sampling.
@@ -80,6 +93,9 @@ class LightSampler {
 
     /// The cost of select() at a point.
     virtual SelectionCounts count(const ShadingPoint& point) const noexcept = 0;
+
+    /// What the sampler keeps in memory, bytes.
+    virtual std::size_t memory_size() const noexcept = 0;
 };
 
 /// The set for camera points of pixel (x, y): its place in a square pattern of `set_count` pixels,

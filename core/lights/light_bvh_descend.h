@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "lights/importance.h"
 #include "lights/light_bvh.h"
 
 namespace lightcull {
@@ -18,9 +19,20 @@ struct LightBvhPoint {
     float from_all_sides;  ///< 4 if the normal is 0, else 0
     float rounding;        ///< what the position may be off
     float horizon;         ///< what lies lower cannot reach the point
+    float diffuse = 1.0f;  ///< this and what follows as in Receiver
+    float3 axis;
+    float alpha2 = 1.0f;
+    float peak = 0.0f;
 
     LightBvhPoint() noexcept = default;
-    LightBvhPoint(float3 x, float3 n) noexcept : position(x), normal(n) {
+    LightBvhPoint(float3 x, const Receiver& receiver) noexcept
+        : position(x),
+          normal(receiver.normal),
+          diffuse(receiver.diffuse),
+          axis(receiver.axis),
+          alpha2(receiver.alpha2),
+          peak(receiver.peak) {
+        const float3 n = normal;
         const bool volume = n.x == 0.0f && n.y == 0.0f && n.z == 0.0f;
         from_all_sides = volume ? 4.0f : 0.0f;
         constexpr float kRounding = 1e-6f;
@@ -41,19 +53,21 @@ struct LightBvhDescent {
 struct LightBvhImportances {
     alignas(32) float of[LightBvhNode::kWidth];
 };
-LightBvhImportances importances(const BoundsNode& node, const LightBvhPoint& point) noexcept;
-LightBvhImportances importances(const MeansNode& node, const LightBvhPoint& point) noexcept;
 
-/// Takes each descent to a light, or to prob 0; at most kMaxDescents, and the tree is not empty.
-/// Many cost less together than one after the other: one computes while others wait for memory.
+/// What is done with a tree, for one instruction set (see Kernels).
+template <typename Node>
+struct LightBvhKernels {
+    void (*importances)(const Node& node, const LightBvhPoint& point, float* result);
+
+    /// Takes each descent to a light, or to prob 0; at most kMaxDescents, and the tree is not
+    /// empty. Many cost less together than one after the other: one computes while others wait for
+    /// memory.
+    void (*descend)(const LightBvh<Node>& bvh, Span<LightBvhDescent> descents);
+
+    /// The probability of a light: to the bit what a descent that takes it finds.
+    double (*prob_of_light)(const LightBvh<Node>& bvh, const LightBvhPoint& point,
+                            std::uint32_t light);
+};
 inline constexpr std::size_t kMaxDescents = 16;
-void descend(const LightBvh<BoundsNode>& bvh, Span<LightBvhDescent> descents) noexcept;
-void descend(const LightBvh<MeansNode>& bvh, Span<LightBvhDescent> descents) noexcept;
-
-/// The probability of a light: to the bit what a descent that takes it finds.
-double prob_of_light(const LightBvh<BoundsNode>& bvh, const LightBvhPoint& point,
-                     std::uint32_t light) noexcept;
-double prob_of_light(const LightBvh<MeansNode>& bvh, const LightBvhPoint& point,
-                     std::uint32_t light) noexcept;
 
 }  // namespace lightcull

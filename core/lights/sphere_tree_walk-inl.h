@@ -1,27 +1,32 @@
-#undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "lights/sphere_tree_traverse.cpp"
-#include <hwy/foreach_target.h>
-// Must come after foreach_target.h, which includes this file once per instruction set.
+// Included once per instruction set.
+#if defined(LIGHTCULL_SPHERE_TREE_WALK_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef LIGHTCULL_SPHERE_TREE_WALK_INL
+#undef LIGHTCULL_SPHERE_TREE_WALK_INL
+#else
+#define LIGHTCULL_SPHERE_TREE_WALK_INL
+#endif
+
 #include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
 #include <cassert>
 
-#include "lights/sphere_tree_traverse.h"
+#include "lights/sphere_tree_walk.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace lightcull {
 namespace HWY_NAMESPACE {
+namespace walk {
 namespace hn = hwy::HWY_NAMESPACE;
 
-HWY_ATTR void prefetch(const SphereNode& node, const float* radii) {
+HWY_ATTR inline void prefetch(const SphereNode& node, const float* radii) {
     hwy::Prefetch(node.x);
     hwy::Prefetch(node.z);
     hwy::Prefetch(radii);
 }
 
 /// Bit s is set if x is within the sphere of slot s.
-HWY_ATTR std::uint32_t slots_around(const SphereNode& node, const float* radii, float3 x) {
+HWY_ATTR inline std::uint32_t slots_around(const SphereNode& node, const float* radii, float3 x) {
     const hn::CappedTag<float, SphereNode::kWidth> d;
     std::uint32_t bits = 0;
     for (std::size_t slot = 0; slot < SphereNode::kWidth; slot += hn::Lanes(d)) {
@@ -39,13 +44,13 @@ HWY_ATTR std::uint32_t slots_around(const SphereNode& node, const float* radii, 
     return bits;
 }
 
-HWY_ATTR void find_leaves_here(const SphereTree& tree, const float* radii, float3 x, TreeWalk& walk,
-                               FoundLeaves& found) {
-    std::uint32_t found_count = 0, stack_size = walk.stack_size;
+HWY_ATTR inline void find_leaves(const SphereTree& tree, const float* radii, float3 x,
+                                 TreeWalk& state, FoundLeaves& found) {
+    std::uint32_t found_count = 0, stack_size = state.stack_size;
     while (stack_size > 0 && found_count + SphereNode::kWidth <= FoundLeaves::kCapacity) {
-        const std::uint32_t n = walk.stack[--stack_size];
+        const std::uint32_t n = state.stack[--stack_size];
         const SphereNode& node = tree.nodes[n];
-        ++walk.nodes_visited;
+        ++state.nodes_visited;
         std::uint32_t bits = slots_around(node, radii + std::size_t{n} * SphereNode::kWidth, x);
         assert(stack_size + SphereNode::kWidth <= TreeWalk::kStackSize);
         for (; bits != 0; bits &= bits - 1) {
@@ -53,7 +58,7 @@ HWY_ATTR void find_leaves_here(const SphereTree& tree, const float* radii, float
             // Written to both, kept in one: which of the two cannot be predicted.
             const std::uint32_t is_leaf = link >> 31;
             found.records[found_count] = link & ~SphereNode::kLeaf;
-            walk.stack[stack_size] = link;
+            state.stack[stack_size] = link;
             if (is_leaf == 0) {
                 prefetch(tree.nodes[link], radii + std::size_t{link} * SphereNode::kWidth);
             } else {
@@ -63,23 +68,13 @@ HWY_ATTR void find_leaves_here(const SphereTree& tree, const float* radii, float
             stack_size += 1 - is_leaf;
         }
     }
-    walk.stack_size = stack_size;
+    state.stack_size = stack_size;
     found.count = found_count;
 }
 
+}  // namespace walk
 }  // namespace HWY_NAMESPACE
 }  // namespace lightcull
 HWY_AFTER_NAMESPACE();
 
-#if HWY_ONCE
-namespace lightcull {
-
-HWY_EXPORT(find_leaves_here);
-
-void find_leaves(const SphereTree& tree, const float* radii, float3 x, TreeWalk& walk,
-                 FoundLeaves& found) noexcept {
-    HWY_DYNAMIC_DISPATCH(find_leaves_here)(tree, radii, x, walk, found);
-}
-
-}  // namespace lightcull
 #endif

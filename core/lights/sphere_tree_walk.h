@@ -1,5 +1,6 @@
 #pragma once
 
+#include "lights/kernels.h"
 #include "lights/sphere_tree.h"
 
 namespace lightcull {
@@ -22,15 +23,11 @@ struct FoundLeaves {
     std::uint32_t count = 0;
 };
 
-/// Goes on with a walk until it is over (stack_size 0) or `found`, which is emptied first, is full.
-/// Vectorised across the slots of a node, for the instruction set of the machine.
-void find_leaves(const SphereTree& tree, const float* radii, float3 x, TreeWalk& walk,
-                 FoundLeaves& found) noexcept;
-
 /// Calls visit(record) for every leaf whose sphere holds x. Returns the number of nodes read.
 template <typename Visit>
 std::uint32_t traverse(const SphereTree& tree, const float* radii, float3 x,
                        Visit&& visit) noexcept {
+    const auto find_leaves = kernels().find_leaves;
     TreeWalk walk;
     if (!tree.empty()) walk.stack[walk.stack_size++] = 0;
     FoundLeaves found;

@@ -1,18 +1,23 @@
-#undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "lights/light_bvh_traverse.cpp"
-#include <hwy/foreach_target.h>
-// Must come after foreach_target.h, which includes this file once per instruction set.
+// Included once per instruction set.
+#if defined(LIGHTCULL_LIGHT_BVH_DESCEND_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef LIGHTCULL_LIGHT_BVH_DESCEND_INL
+#undef LIGHTCULL_LIGHT_BVH_DESCEND_INL
+#else
+#define LIGHTCULL_LIGHT_BVH_DESCEND_INL
+#endif
+
 #include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
 #include <algorithm>
 
+#include "lights/light_bvh_descend.h"
 #include "lights/light_bvh_importance-inl.h"
-#include "lights/light_bvh_traverse.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace lightcull {
 namespace HWY_NAMESPACE {
+namespace bvh {
 namespace hn = hwy::HWY_NAMESPACE;
 
 /// How the choice falls among a node's children.
@@ -22,7 +27,7 @@ struct Shares {
 
     template <typename Node>
     HWY_ATTR Shares(const Node& node, const LightBvhPoint& point) {
-        importances_here(node, point, importances.of);
+        compute_importances(node, point, importances.of);
         // In double precision, where each importance above 0 raises the sum.
         double sum = 0.0;
         for (std::size_t i = 0; i < kWidth; ++i) {
@@ -71,7 +76,7 @@ HWY_ATTR inline bool step(const LightBvh<Node>& bvh, LightBvhDescent& descent) {
 }
 
 template <typename Node>
-HWY_ATTR HWY_INLINE void descend_here(const LightBvh<Node>& bvh, Span<LightBvhDescent> descents) {
+HWY_ATTR void descend(const LightBvh<Node>& bvh, Span<LightBvhDescent> descents) {
     LightBvhDescent* under_way[kMaxDescents];
     std::size_t count = descents.size();
     for (std::size_t i = 0; i < count; ++i) under_way[i] = &descents[i];
@@ -86,8 +91,8 @@ HWY_ATTR HWY_INLINE void descend_here(const LightBvh<Node>& bvh, Span<LightBvhDe
 }
 
 template <typename Node>
-HWY_ATTR HWY_INLINE double prob_of_light_here(const LightBvh<Node>& bvh, const LightBvhPoint& point,
-                                              std::uint32_t light) {
+HWY_ATTR double prob_of_light(const LightBvh<Node>& bvh, const LightBvhPoint& point,
+                              std::uint32_t light) {
     LightBvhSlot path[LightBvh<Node>::kMaxDepth];
     std::size_t depth = 0;
     for (LightBvhSlot slot = bvh.slots[light]; slot != LightBvh<Node>::kNoSlot;
@@ -104,70 +109,9 @@ HWY_ATTR HWY_INLINE double prob_of_light_here(const LightBvh<Node>& bvh, const L
     return prob;
 }
 
-// Highway exports no overloads and, in the oldest version supported, no templates.
-HWY_ATTR void importances_of_bounds(const BoundsNode& node, const LightBvhPoint& point,
-                                    float* result) {
-    importances_here(node, point, result);
-}
-HWY_ATTR void importances_of_means(const MeansNode& node, const LightBvhPoint& point,
-                                   float* result) {
-    importances_here(node, point, result);
-}
-HWY_ATTR void descend_bounds(const LightBvh<BoundsNode>& bvh, Span<LightBvhDescent> descents) {
-    descend_here(bvh, descents);
-}
-HWY_ATTR void descend_means(const LightBvh<MeansNode>& bvh, Span<LightBvhDescent> descents) {
-    descend_here(bvh, descents);
-}
-HWY_ATTR double prob_by_bounds(const LightBvh<BoundsNode>& bvh, const LightBvhPoint& point,
-                               std::uint32_t light) {
-    return prob_of_light_here(bvh, point, light);
-}
-HWY_ATTR double prob_by_means(const LightBvh<MeansNode>& bvh, const LightBvhPoint& point,
-                              std::uint32_t light) {
-    return prob_of_light_here(bvh, point, light);
-}
-
+}  // namespace bvh
 }  // namespace HWY_NAMESPACE
 }  // namespace lightcull
 HWY_AFTER_NAMESPACE();
 
-#if HWY_ONCE
-namespace lightcull {
-
-HWY_EXPORT(importances_of_bounds);
-HWY_EXPORT(importances_of_means);
-HWY_EXPORT(descend_bounds);
-HWY_EXPORT(descend_means);
-HWY_EXPORT(prob_by_bounds);
-HWY_EXPORT(prob_by_means);
-
-LightBvhImportances importances(const BoundsNode& node, const LightBvhPoint& point) noexcept {
-    LightBvhImportances result;
-    HWY_DYNAMIC_DISPATCH(importances_of_bounds)(node, point, result.of);
-    return result;
-}
-LightBvhImportances importances(const MeansNode& node, const LightBvhPoint& point) noexcept {
-    LightBvhImportances result;
-    HWY_DYNAMIC_DISPATCH(importances_of_means)(node, point, result.of);
-    return result;
-}
-
-void descend(const LightBvh<BoundsNode>& bvh, Span<LightBvhDescent> descents) noexcept {
-    HWY_DYNAMIC_DISPATCH(descend_bounds)(bvh, descents);
-}
-void descend(const LightBvh<MeansNode>& bvh, Span<LightBvhDescent> descents) noexcept {
-    HWY_DYNAMIC_DISPATCH(descend_means)(bvh, descents);
-}
-
-double prob_of_light(const LightBvh<BoundsNode>& bvh, const LightBvhPoint& point,
-                     std::uint32_t light) noexcept {
-    return HWY_DYNAMIC_DISPATCH(prob_by_bounds)(bvh, point, light);
-}
-double prob_of_light(const LightBvh<MeansNode>& bvh, const LightBvhPoint& point,
-                     std::uint32_t light) noexcept {
-    return HWY_DYNAMIC_DISPATCH(prob_by_means)(bvh, point, light);
-}
-
-}  // namespace lightcull
 #endif

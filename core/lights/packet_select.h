@@ -1,0 +1,73 @@
+#pragma once
+
+#include <lightcull/light_sampler.h>
+
+#include <cstddef>
+#include <cstdint>
+
+#include "base/float3_math.h"
+#include "lights/importance.h"
+#include "lights/refine.h"
+
+namespace lightcull {
+
+/// Sixteen points of one set side by side, in the units of the tree's frame.
+struct alignas(64) PointPacket {
+    static constexpr std::size_t kSize = 16;
+
+    float x[kSize], y[kSize], z[kSize];
+    float normal_x[kSize], normal_y[kSize], normal_z[kSize];
+    float no_normal[kSize];  ///< 1 where the normal is 0, else 0
+    std::uint32_t u_bits[kSize];
+    // Of the receivers' glossy lobes; not read unless there are any.
+    float diffuse[kSize];
+    float lobe_x[kSize], lobe_y[kSize], lobe_z[kSize];
+    float alpha2[kSize], peak[kSize];
+
+    float3 low, high;  ///< of a box around the positions
+    std::uint32_t set;
+    bool has_lobes;
+};
+
+/// Fills a packet, point by point.
+class PacketBuilder {
+  public:
+    explicit PacketBuilder(std::uint32_t set) noexcept {
+        packet_.set = set;
+        packet_.has_lobes = false;
+    }
+
+    /// x: the position in units of the tree's frame. At most PointPacket::kSize times.
+    void add(const ShadingPoint& point, float3 x, float u) noexcept {
+        const std::size_t i = size_++;
+        const float3 n = point.normal;
+        packet_.x[i] = x.x, packet_.y[i] = x.y, packet_.z[i] = x.z;
+        packet_.low = i == 0 ? x : min(packet_.low, x);
+        packet_.high = i == 0 ? x : max(packet_.high, x);
+        packet_.normal_x[i] = n.x, packet_.normal_y[i] = n.y, packet_.normal_z[i] = n.z;
+        packet_.no_normal[i] = n.x == 0.0f && n.y == 0.0f && n.z == 0.0f ? 1.0f : 0.0f;
+        packet_.u_bits[i] = float_bits(u);
+        const Receiver receiver(point);
+        packet_.has_lobes |= receiver.peak > 0.0f;
+        packet_.diffuse[i] = receiver.diffuse;
+        packet_.lobe_x[i] = receiver.axis.x, packet_.lobe_y[i] = receiver.axis.y;
+        packet_.lobe_z[i] = receiver.axis.z;
+        packet_.alpha2[i] = receiver.alpha2, packet_.peak[i] = receiver.peak;
+    }
+
+    std::size_t size() const noexcept { return size_; }
+    const PointPacket& packet() const noexcept { return packet_; }
+
+  private:
+    PointPacket packet_;
+    std::size_t size_ = 0;
+};
+
+/// What a Reservoir holds at the end, for each point.
+struct alignas(64) PacketChoice {
+    float weight_sum[PointPacket::kSize];
+    float numerator[PointPacket::kSize];
+    std::uint32_t record[PointPacket::kSize];
+};
+
+}  // namespace lightcull

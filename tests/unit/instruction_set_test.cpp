@@ -1,0 +1,129 @@
+#include <lightcull/instruction_set.h>
+
+#include <lightcull/error.h>
+#include <lightcull/samplers.h>
+
+#include <doctest/doctest.h>
+#include <tbb/task_arena.h>
+
+#include <string>
+#include <vector>
+
+#include "base/random.h"
+#include "lights/culling_tree.h"
+#include "test_lights.h"
+
+using namespace lightcull;
+using namespace lightcull::testing;
+
+namespace {
+
+/// Whatever a test does, the next one gets the best again.
+struct BestAgain {
+    ~BestAgain() { use_instruction_set(instruction_sets().front()); }
+};
+
+struct Results {
+    std::vector<Selection> single, batch;
+    std::vector<float> probs;  ///< of the light that the next point was given
+};
+
+Results run(const std::string& description, const std::vector<Light>& lights,
+            std::uint32_t point_count, int threads) {
+    const auto sampler = make_sampler(description, lights);
+    sampler->begin_pass(4);
+    const auto points = mixed_points(point_count, 31, sampler->set_count());
+    std::vector<float> u;
+    for (std::size_t i = 0; i < points.size(); ++i) u.push_back(uniform_float(hash(i, 32)));
+    Results results;
+    results.batch.resize(points.size());
+    tbb::task_arena(threads).execute([&] { sampler->select(points, u, results.batch); });
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        results.single.push_back(sampler->select(points[i], u[i]));
+        const std::uint32_t other = results.batch[(i + 1) % points.size()].light;
+        results.probs.push_back(sampler->prob(points[i], results.single[i].receipt, other));
+    }
+    return results;
+}
+
+void require_equal(const std::vector<Selection>& a, const std::vector<Selection>& b) {
+    REQUIRE(a.size() == b.size());
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        REQUIRE(a[i].light == b[i].light);
+        REQUIRE(a[i].prob == b[i].prob);
+        REQUIRE(a[i].receipt.weight_sum == b[i].receipt.weight_sum);
+        REQUIRE(a[i].receipt.key == b[i].receipt.key);
+    }
+}
+
+}  // namespace
+
+TEST_CASE("every instruction set, batch size and number of threads gives the scalar path's bits") {
+    const BestAgain best_again;
+    const std::vector<Light> lights = mixed_lights(3000, 33, 8.0f);
+    CHECK(instruction_sets().back() == "scalar");
+    for (const char* description :
+         {"culled:sets=1", "culled:sets=16:accepted=4", "culled:sets=64", "light_bvh",
+          "light_bvh:importance=means", "clamped", "exhaustive"}) {
+        CAPTURE(description);
+        for (const std::uint32_t points : {0u, 1u, 7u, 8u, 9u, 17u, 600u}) {
+            CAPTURE(points);
+            use_instruction_set("scalar");
+            const Results scalar = run(description, lights, points, 1);
+            require_equal(scalar.batch, scalar.single);
+            for (const std::string& name : instruction_sets()) {
+                CAPTURE(name);
+                use_instruction_set(name);
+                CHECK(instruction_set() == name);
+                for (const int threads : {1, 2}) {
+                    const Results results = run(description, lights, points, threads);
+                    require_equal(results.single, scalar.single);
+                    require_equal(results.batch, scalar.single);
+                    CHECK(results.probs == scalar.probs);
+                }
+            }
+        }
+    }
+}
+
+TEST_CASE("every instruction set refits to the same radii, and walks the same nodes") {
+    const BestAgain best_again;
+    const LightTable table = make_light_table(mixed_lights(5000, 34, 8.0f));
+    for (const std::uint32_t sets : {1u, 4u, 16u, 64u}) {
+        CullingTree scalar(table, RandomRanges(1e-2f, sets));
+        use_instruction_set("scalar");
+        scalar.begin_pass(7);
+        for (const std::string& name : instruction_sets()) {
+            CAPTURE(name);
+            use_instruction_set(name);
+            CullingTree tree(table, RandomRanges(1e-2f, sets));
+            tree.begin_pass(7);
+            for (std::uint32_t set = 0; set < sets; ++set) {
+                for (std::size_t slot = 0; slot < tree.tree().slot_count(); ++slot) {
+                    REQUIRE(tree.radii(set)[slot] == scalar.radii(set)[slot]);
+                }
+            }
+            for (const ShadingPoint& point : mixed_points(100, 35, sets)) {
+                const auto count = [&](const CullingTree& t) {
+                    return t.for_each_accepted(t.frame().position(point.position), Receiver(point),
+                                               point.set, [](const Accepted&) {});
+                };
+                const SelectionCounts a = count(tree), b = count(scalar);
+                REQUIRE(a.nodes_visited == b.nodes_visited);
+                REQUIRE(a.lights_tested == b.lights_tested);
+                REQUIRE(a.accepted == b.accepted);
+            }
+        }
+    }
+}
+
+TEST_CASE("an instruction set that is not there is refused, with those that are") {
+    try {
+        use_instruction_set("MMX");
+        FAIL("no error");
+    } catch (const Error& error) {
+        CHECK(std::string(error.what()).find("'MMX'") != std::string::npos);
+        CHECK(std::string(error.what()).find("scalar") != std::string::npos);
+    }
+    CHECK(instruction_set() == instruction_sets().front());
+}
