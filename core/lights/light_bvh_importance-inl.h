@@ -91,16 +91,18 @@ HWY_ATTR HWY_INLINE void compute_importances(const BoundsNode& node, const Light
         const auto height = hn::Mul(dot(nx, ny, nz, wx, wy, wz), inverse);
         const auto seen = largest_cosine({other_of(height), height});
         const auto all_sides = hn::Gt(hn::Set(d, point.from_all_sides), hn::Zero(d));
-        auto received = hn::IfThenElse(all_sides, one, seen);
-        auto anything = one;  // what the receiver can make of the light at best
+        // Within the bounds nothing is known of either angle.
+        const auto inside = hn::Ge(radius, distance);
+        auto received = hn::IfThenElse(hn::Or(all_sides, inside), one, seen);
         if (point.peak > 0.0f) {
             const auto mirrored = hn::Mul(dot(hn::Set(d, point.axis.x), hn::Set(d, point.axis.y),
                                               hn::Set(d, point.axis.z), wx, wy, wz),
                                           inverse);
-            const auto closest = subtract_clamped({other_of(mirrored), mirrored}, half_view).cosine;
-            const auto glossy = with_lobe(point, closest, hn::Zero(d), received);
+            // The mean in the bounds: their largest value would outweigh all else wherever the lobe
+            // is narrower than they are.
+            const auto spread = hn::Mul(hn::Set(d, 0.4f), hn::Mul(half_sine, half_sine));
+            const auto glossy = with_lobe(point, mirrored, spread, received);
             received = hn::IfThenElseZero(hn::Gt(received, hn::Zero(d)), glossy);
-            anything = hn::Set(d, point.diffuse + point.peak);
         }
 
         const auto cos_theta_e = load(node.cos_theta_e);
@@ -112,9 +114,7 @@ HWY_ATTR HWY_INLINE void compute_importances(const BoundsNode& node, const Light
         const auto cosine = largest_cosine(subtract_clamped({other_of(facing), facing}, theta_o));
         const auto emitted = hn::IfThenElseZero(hn::Ge(cosine, hn::Abs(cos_theta_e)), cosine);
 
-        // Within the bounds nothing is known of either angle.
-        const auto inside = hn::Ge(radius, distance);
-        const auto factor = hn::IfThenElse(inside, anything, hn::Mul(received, emitted));
+        const auto factor = hn::IfThenElse(inside, received, hn::Mul(received, emitted));
         const auto inverse_clamped =
             hn::Div(one, hn::Max(distance, hn::Mul(hn::Set(d, 0.5f), radius)));
         const auto fall_off =
