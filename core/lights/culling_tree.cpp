@@ -51,7 +51,7 @@ void CullingTree::refit(std::uint32_t first_set, std::uint32_t set_count) {
 }
 
 std::size_t CullingTree::memory_size() const noexcept {
-    return size_of(tree_.nodes) + size_of(tree_.parent_distances) + size_of(tree_.records) +
+    return size_of(tree_.nodes) + size_of(tree_.centers) + size_of(tree_.records) +
            size_of(tree_.lights) + size_of(record_of_) + size_of(radii_) + size_of(around_);
 }
 

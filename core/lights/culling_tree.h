@@ -51,15 +51,16 @@ class CullingTree {
     SelectionCounts for_each_accepted(float3 x, const Receiver& receiver, std::uint32_t set,
                                       Visit&& visit) const noexcept {
         SelectionCounts counts;
-        counts.nodes_visited = traverse(tree_, radii(set), x, [&](std::uint32_t record) {
-            ++counts.lights_tested;
-            const LightRecord& light = tree_.records[record];
-            const Approach way = approach(x, light.center);
-            const float g = importance(light, way, receiver);
-            if (!(g > 0.0f)) return;
-            ++counts.accepted;
-            visit(Accepted{record, g, inverse_prob(light, way)});
-        });
+        counts.nodes_visited =
+            traverse(tree_, radii(set), x, receiver.normal, [&](std::uint32_t record) {
+                ++counts.lights_tested;
+                const LightRecord& light = tree_.records[record];
+                const Approach way = approach(x, light.center);
+                const float g = importance(light, way, receiver);
+                if (!(g > 0.0f)) return;
+                ++counts.accepted;
+                visit(Accepted{record, g, inverse_prob(light, way)});
+            });
         return counts;
     }
 

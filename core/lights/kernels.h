@@ -18,8 +18,8 @@ struct TreeWalk;
 struct Kernels {
     /// Goes on with a walk until it is over (stack_size 0) or `found`, which is emptied first, is
     /// full. Vectorised across the slots of a node.
-    void (*find_leaves)(const SphereTree& tree, const float* radii, float3 x, TreeWalk& walk,
-                        FoundLeaves& found);
+    void (*find_leaves)(const SphereTree& tree, const float* radii, float3 x, float3 normal,
+                        TreeWalk& walk, FoundLeaves& found);
 
     /// Weighs every light that is accepted at any of the points, in one walk of the tree; what goes
     /// into `choice`, all 0 at first, is what one Reservoir after another would hold. Nodes are

@@ -14,6 +14,7 @@
 #include "lights/culling_tree.h"
 #include "lights/packet_select.h"
 #include "lights/reservoir.h"
+#include "lights/sphere_tree_walk-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace lightcull {
@@ -229,11 +230,19 @@ HWY_ATTR inline std::uint32_t slots_near(const SphereNode& node, const float* ra
     return bits;
 }
 
-/// Whether any of the points is within a sphere.
-HWY_ATTR inline bool any_inside(const PointPacket& points, float3 center, float radius) {
-    const Vec limit = constant(radius * radius);
+/// Whether any of the points is within the sphere of a slot, and what it holds is not below the
+/// point's horizon.
+HWY_ATTR inline bool concerns_any(const PointPacket& points, const SphereNode& node,
+                                  std::uint32_t slot, float radius) {
+    const Vec limit = constant(radius * radius), bounds = constant(node.bounds[slot]);
     for (std::size_t i = 0; i < PointPacket::kSize; i += hn::Lanes(Tag())) {
-        if (!hn::AllFalse(Tag(), hn::Le(Ways(points, i, center).distance2, limit))) return true;
+        const Ways ways(points, i, node.center(slot));
+        const Vec height =
+            ways.dot_with(points.normal_x + i, points.normal_y + i, points.normal_z + i);
+        const Vec top = hn::Add(hn::Add(height, hn::Load(Tag(), points.no_normal + i)), bounds);
+        const auto above =
+            hn::Ge(hn::Mul(top, hn::Abs(top)), hn::Mul(ways.distance2, constant(kHorizonRounding)));
+        if (!hn::AllFalse(Tag(), hn::And(hn::Le(ways.distance2, limit), above))) return true;
     }
     return false;
 }
@@ -274,7 +283,7 @@ HWY_ATTR inline void select_packet(const CullingTree& culling, const PointPacket
              bits &= bits - 1) {
             const std::uint32_t slot =
                 static_cast<std::uint32_t>(hwy::Num0BitsBelowLS1Bit_Nonzero32(bits));
-            if (!any_inside(points, node.center(slot), node_radii[slot])) continue;
+            if (!concerns_any(points, node, slot, node_radii[slot])) continue;
             const std::uint32_t link = node.link[slot];
             if ((link & SphereNode::kLeaf) != 0) {
                 const std::uint32_t record = link & ~SphereNode::kLeaf;
@@ -283,9 +292,7 @@ HWY_ATTR inline void select_packet(const CullingTree& culling, const PointPacket
                 found.radii[found.count++] = node_radii[slot];
                 continue;
             }
-            hwy::Prefetch(tree.nodes[link].x);
-            hwy::Prefetch(tree.nodes[link].z);
-            hwy::Prefetch(radii + link * kWidth);
+            walk::prefetch(tree.nodes[link], radii + link * kWidth);
             stack[stack_size++] = link;
         }
         weigh_all(culling, points, lists[parity], choice);

@@ -13,6 +13,9 @@ namespace lightcull {
 /// Eight spheres of the tree, without their radii, which differ from set to set: radii lie apart,
 /// [set][node][slot]. A slot is a light, another node, or empty. The same bytes serve all back
 /// ends.
+///
+/// The volume about the emitter's cosine (DESIGN section 3) is not built: with it the same number
+/// of accepted lights took 1.7 to 1.8 times the nodes for 4 to 10 % less error.
 struct alignas(32) SphereNode {
     static constexpr std::uint32_t kWidth = 8;
     static constexpr std::uint32_t kLeaf = 0x80000000u;
@@ -20,12 +23,14 @@ struct alignas(32) SphereNode {
 
     float x[kWidth], y[kWidth], z[kWidth];  ///< centres
     std::uint32_t link[kWidth];             ///< kLeaf | record, or index of a node, or kEmpty
+    float bounds[kWidth];                   ///< radius about the centre that holds the lights
+                                            ///< themselves, whatever their ranges
 
     float3 center(std::uint32_t slot) const noexcept { return {x[slot], y[slot], z[slot]}; }
 };
-static_assert(sizeof(SphereNode) == 128 && alignof(SphereNode) == 32);
+static_assert(sizeof(SphereNode) == 160 && alignof(SphereNode) == 32);
 static_assert(offsetof(SphereNode, y) == 32 && offsetof(SphereNode, z) == 64 &&
-              offsetof(SphereNode, link) == 96);
+              offsetof(SphereNode, link) == 96 && offsetof(SphereNode, bounds) == 128);
 
 /// Radius of an empty slot: no point is within it.
 inline constexpr float kNoRadius = -1.0f;
@@ -34,9 +39,9 @@ inline constexpr float kNoRadius = -1.0f;
 /// all sets and passes. Parents come before their children.
 struct SphereTree {
     std::vector<SphereNode> nodes;
-    std::vector<float> parent_distances;  ///< [node][slot]: to the centre of the slot above
-    std::vector<LightRecord> records;     ///< in the order of the leaves
-    std::vector<std::uint32_t> lights;    ///< by record: index in the caller's array
+    std::vector<float3> centers;        ///< by node: of the slot above
+    std::vector<LightRecord> records;   ///< in the order of the leaves
+    std::vector<std::uint32_t> lights;  ///< by record: index in the caller's array
 
     bool empty() const noexcept { return nodes.empty(); }
     std::size_t slot_count() const noexcept { return nodes.size() * SphereNode::kWidth; }

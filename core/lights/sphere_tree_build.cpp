@@ -129,42 +129,60 @@ class Emitter {
     SphereTree& tree_;
 };
 
-/// Of all that lies below a slot.
-struct Sphere {
+/// A sphere around spheres, and one of the same centre around the lights alone.
+struct Around {
     float3 center{0, 0, 0};
-    float radius = kNoRadius;
+    float radius = 0.0f, bounds = 0.0f;
 };
 
-/// Centres of slots bottom up. That of an inner slot is the middle of the box around the spheres
-/// below it at a typical range.
-void place_centers(SphereTree& tree, float reach) {
-    std::vector<Sphere> around(tree.nodes.size());
+/// The middle of the box around spheres.
+float3 middle_of(const std::array<Around, kWidth>& spheres, std::uint32_t count) noexcept {
+    float3 low{1e30f, 1e30f, 1e30f}, high{-1e30f, -1e30f, -1e30f};
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const float3 r{spheres[i].radius, spheres[i].radius, spheres[i].radius};
+        low = min(low, spheres[i].center - r);
+        high = max(high, spheres[i].center + r);
+    }
+    return low * 0.5f + high * 0.5f;
+}
+
+/// The spheres of a node's slots, lights with a typical range.
+std::uint32_t gather(const SphereTree& tree, const SphereNode& node, float reach,
+                     const std::vector<Around>& around, std::array<Around, kWidth>& slots) {
+    std::uint32_t count = 0;
+    for (; count < kWidth && node.link[count] != SphereNode::kEmpty; ++count) {
+        const std::uint32_t link = node.link[count];
+        if ((link & SphereNode::kLeaf) == 0) {
+            slots[count] = around[link];
+            continue;
+        }
+        const LightRecord& light = tree.records[link & ~SphereNode::kLeaf];
+        slots[count] = {light.center, light.radius + std::sqrt(reach * light.intensity),
+                        light.radius};
+    }
+    return count;
+}
+
+/// Centres and bounds of slots, bottom up. The centre of an inner slot is the middle of the box
+/// around the spheres below it at a typical range.
+void place_slots(SphereTree& tree, float reach) {
+    // Grows by more than the rounding of a sum and a distance.
+    constexpr float kRoundUp = 1.0f + 1e-6f;
+    std::vector<Around> around(tree.nodes.size());
     for (std::size_t n = tree.nodes.size(); n-- > 0;) {
         SphereNode& node = tree.nodes[n];
-        std::array<Sphere, kWidth> below;
-        float3 low{1e30f, 1e30f, 1e30f}, high{-1e30f, -1e30f, -1e30f};
-        for (std::uint32_t slot = 0; slot < kWidth; ++slot) {
-            const std::uint32_t link = node.link[slot];
-            if (link == SphereNode::kEmpty) continue;
-            if ((link & SphereNode::kLeaf) != 0) {
-                const LightRecord& light = tree.records[link & ~SphereNode::kLeaf];
-                below[slot] = {light.center, light.radius + std::sqrt(reach * light.intensity)};
-            } else {
-                below[slot] = around[link];
-            }
-            node.x[slot] = below[slot].center.x;
-            node.y[slot] = below[slot].center.y;
-            node.z[slot] = below[slot].center.z;
-            const float3 r{below[slot].radius, below[slot].radius, below[slot].radius};
-            low = min(low, below[slot].center - r);
-            high = max(high, below[slot].center + r);
-        }
-        around[n].center = low * 0.5f + high * 0.5f;
-        for (std::uint32_t slot = 0; slot < kWidth; ++slot) {
-            if (node.link[slot] == SphereNode::kEmpty) continue;
-            float& distance = tree.parent_distances[n * kWidth + slot];
-            distance = length(below[slot].center - around[n].center);
-            around[n].radius = std::max(around[n].radius, below[slot].radius + distance);
+        std::array<Around, kWidth> slots;
+        const std::uint32_t count = gather(tree, node, reach, around, slots);
+        around[n].center = tree.centers[n] = middle_of(slots, count);
+        for (std::uint32_t slot = 0; slot < count; ++slot) {
+            node.x[slot] = slots[slot].center.x;
+            node.y[slot] = slots[slot].center.y;
+            node.z[slot] = slots[slot].center.z;
+            node.bounds[slot] = slots[slot].bounds;
+            const float distance = length(slots[slot].center - around[n].center);
+            around[n].radius = std::max(around[n].radius, slots[slot].radius + distance);
+            around[n].bounds =
+                std::max(around[n].bounds, (slots[slot].bounds + distance) * kRoundUp);
         }
     }
 }
@@ -178,8 +196,8 @@ SphereTree build_sphere_tree(const LightTable& table, float reach) {
     tree.records.reserve(table.lit.size());
     tree.lights.reserve(table.lit.size());
     Emitter(table, binary, tree).emit_root();
-    tree.parent_distances.resize(tree.slot_count(), 0.0f);
-    place_centers(tree, reach);
+    tree.centers.resize(tree.nodes.size());
+    place_slots(tree, reach);
     return tree;
 }
 

@@ -46,7 +46,8 @@ HWY_ATTR void refit_sets(const Refit& job, std::size_t begin, std::size_t end) {
             } else {
                 std::copy_n(job.around + link * kSets, kSets, own.begin());
             }
-            const float distance = tree.parent_distances[n * kWidth + slot];
+            const float distance =
+                length(node.center(static_cast<std::uint32_t>(slot)) - tree.centers[n]);
             for (std::size_t set = 0; set < kSets; ++set) {
                 largest[set] = std::max(largest[set], (own[set] + distance) * kRoundUp);
             }
