@@ -120,6 +120,7 @@ class _Contender:
             seconds=stats.seconds,
             setup_seconds=stats.setup_seconds,
             selection_seconds=stats.selection_seconds,
+            sampler_seconds=stats.sampler_seconds,
             selections=stats.selections,
             rays=stats.rays,
             accepted_per_point=counts.accepted,

@@ -48,6 +48,8 @@ class Stats:
     """How often a light was chosen."""
     rays: int
     """Camera, shadow and scattered rays."""
+    sampler_seconds: float
+    """Wall time of the passes that went to refits and to choosing lights."""
 
 
 @dataclass(frozen=True)
@@ -135,6 +137,7 @@ class RenderJob:
             selection_seconds=core.selection_seconds,
             selections=core.selections,
             rays=core.rays,
+            sampler_seconds=core.sampler_seconds,
         )
 
 

@@ -1,6 +1,7 @@
 #include <lightcull/render/renderer.h>
 
 #include "arrays.h"
+#include "counts.h"
 #include "module.h"
 
 #include <tbb/task_arena.h>
@@ -20,11 +21,6 @@ namespace {
 using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kSignalPeriod{50};
 constexpr std::uint32_t kCountedPoints = 512;
-
-/// Mean cost of one selection at camera points.
-struct MeanCounts {
-    double nodes_visited = 0.0, lights_tested = 0.0, accepted = 0.0;
-};
 
 /// A Renderer for Python: one call at a time, without the GIL, and open to Ctrl-C.
 class InterruptibleRenderer {
@@ -79,24 +75,16 @@ class InterruptibleRenderer {
         return renderer_->stats();
     }
 
+    /// At camera points.
     MeanCounts mean_counts() {
         const py::gil_scoped_release release;
         const std::lock_guard lock(mutex_);
         std::vector<ShadingPoint> points = camera_points(*scene_, settings_, kCountedPoints);
         const LightSampler& sampler = renderer_->sampler();
-        MeanCounts mean;
         for (std::size_t i = 0; i < points.size(); ++i) {
             points[i].set = set_of_packet(static_cast<std::uint32_t>(i), sampler.set_count());
-            const SelectionCounts counts = sampler.count(points[i]);
-            mean.nodes_visited += counts.nodes_visited;
-            mean.lights_tested += counts.lights_tested;
-            mean.accepted += counts.accepted;
         }
-        const double n = std::max(static_cast<double>(points.size()), 1.0);
-        mean.nodes_visited /= n;
-        mean.lights_tested /= n;
-        mean.accepted /= n;
-        return mean;
+        return python::mean_counts(sampler, points, points.size());
     }
 
     double setup_seconds() const noexcept { return setup_seconds_; }
@@ -130,6 +118,7 @@ void bind_renderer(py::module_& module) {
     py::class_<RenderStats>(module, "RenderStats")
         .def_readonly("passes", &RenderStats::passes)
         .def_readonly("seconds", &RenderStats::seconds)
+        .def_readonly("sampler_seconds", &RenderStats::sampler_seconds)
         .def_readonly("selection_seconds", &RenderStats::selection_seconds)
         .def_readonly("selections", &RenderStats::selections)
         .def_readonly("rays", &RenderStats::rays);

@@ -5,6 +5,7 @@
 #include "render/film.h"
 #include "render/scene_impl.h"
 #include "render/settings.h"
+#include "render/tiles.h"
 #include "render/wavefront.h"
 
 #include <lightcull/error.h>
@@ -20,25 +21,15 @@
 namespace lightcull {
 namespace {
 
-/// Edge of a tile in pixels: small enough that a few threads share a small image evenly.
-constexpr std::uint32_t kTileSize = 64;
-/// Edge of a region in pixels: as many points as light selection gets at a time, and as many paths
-/// as are in memory.
-constexpr std::uint32_t kRegionSize = 512;
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+    return std::chrono::duration<double>(Clock::now() - start).count();
+}
 
 int thread_count(std::uint32_t wanted) {
     const int available = tbb::info::default_concurrency();
     return wanted == 0 ? available : std::min(static_cast<int>(wanted), available);
-}
-
-std::vector<Tile> tiles_of(const Tile& area, std::uint32_t edge) {
-    std::vector<Tile> tiles;
-    for (std::uint32_t y = area.y0; y < area.y1; y += edge) {
-        for (std::uint32_t x = area.x0; x < area.x1; x += edge) {
-            tiles.push_back({x, y, std::min(x + edge, area.x1), std::min(y + edge, area.y1)});
-        }
-    }
-    return tiles;
 }
 
 }  // namespace
@@ -74,7 +65,9 @@ struct Renderer::Impl {
 
 void Renderer::Impl::render_regions(const std::atomic<bool>* cancel) {
     // The ranges of light samplers must differ from seed to seed, too.
+    const Clock::time_point start = Clock::now();
     sampler->begin_pass(mix(settings.seed) + stats.passes);
+    cost.sampler_seconds += seconds_since(start);
     std::fill(pass_pixels.begin(), pass_pixels.end(), V3f(0.0f));
     const Pass pass{
         scene->impl(), settings,          camera, *sampler, hash(settings.seed, stats.passes),
@@ -114,10 +107,11 @@ void Renderer::Impl::select_lights(const std::vector<std::uint8_t>& under_way) {
     }
     if (points.empty()) return;
     selections.resize(points.size());
-    const auto start = std::chrono::steady_clock::now();
+    const Clock::time_point start = Clock::now();
     sampler->select(points, selection_numbers, selections);
-    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
-    cost.selection_seconds += elapsed.count() * arena.max_concurrency();
+    const double elapsed = seconds_since(start);
+    cost.sampler_seconds += elapsed;
+    cost.selection_seconds += elapsed * arena.max_concurrency();
     cost.selections += points.size();
 
     auto next = selections.begin();
@@ -142,17 +136,17 @@ Renderer::Renderer(std::shared_ptr<const Scene> scene, const RenderSettings& set
 Renderer::~Renderer() = default;
 
 bool Renderer::render_pass(const std::atomic<bool>* cancel) {
-    const auto start = std::chrono::steady_clock::now();
+    const Clock::time_point start = Clock::now();
     RenderStats& cost = impl_->cost = {};
     impl_->arena.execute([&] { impl_->render_regions(cancel); });
     for (Wavefront& wavefront : impl_->wavefronts) cost.rays += wavefront.take_ray_count();
     if (cancel != nullptr && cancel->load()) return false;
     impl_->film.add(impl_->pass_pixels);
-    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
 
     RenderStats& stats = impl_->stats;
     ++stats.passes;
-    stats.seconds += elapsed.count();
+    stats.seconds += seconds_since(start);
+    stats.sampler_seconds += cost.sampler_seconds;
     stats.selection_seconds += cost.selection_seconds;
     stats.selections += cost.selections;
     stats.rays += cost.rays;

@@ -4,6 +4,7 @@
 #include "render/path_random.h"
 #include "render/ray.h"
 #include "render/surface.h"
+#include "render/tiles.h"
 #include "render/vec.h"
 
 #include <lightcull/light_sampler.h>
@@ -28,11 +29,6 @@ struct Pass {
     bool cancelled() const noexcept {
         return cancel != nullptr && cancel->load(std::memory_order_relaxed);
     }
-};
-
-/// Pixels [x0, x1) x [y0, y1).
-struct Tile {
-    std::uint32_t x0, y0, x1, y1;
 };
 
 /// Traces one path per pixel of a tile, all of them one edge at a time:

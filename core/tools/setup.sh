@@ -19,8 +19,8 @@ requirement_groups=(build run)
 with_tests=OFF
 if [[ ${1:-} == --tests ]]; then
     with_tests=ON
-    packages+=(doctest-dev)
-    requirement_groups+=(test)
+    packages+=(doctest-dev libbenchmark-dev)
+    requirement_groups+=(mitsuba test)
 fi
 
 # What could be neither found nor installed; named once it was missed, and again if that is fatal.
@@ -89,7 +89,7 @@ project = table["project"]
 groups = {
     "build": table["build-system"]["requires"],
     "run": project["dependencies"],
-    "test": project["optional-dependencies"]["test"],
+    **project["optional-dependencies"],
 }
 for name in sys.argv[2:]:
     print("\n".join(groups[name]))
@@ -166,9 +166,12 @@ build_libraries() {
 
 # Of everything that the Python package is made from.
 package_hash() {
-    find "$root/bindings" "$root/core/include" "$build/core" -type f \
-        -not -path '*/__pycache__/*' \( -not -path "$build/*" -o -name '*.a' \) -print0 |
-        LC_ALL=C sort -z | xargs -0 sha256sum | sha256sum
+    {
+        find "$root/bindings" "$root/plugin" "$root/core/include" "$build/core" -type f \
+            -not -path '*/__pycache__/*' \( -not -path "$build/*" -o -name '*.a' \) -print0 |
+            LC_ALL=C sort -z | xargs -0 sha256sum
+        "$venv/bin/python" "$root/plugin/mitsuba/find_mitsuba.py"
+    } | sha256sum
 }
 
 install_package() {

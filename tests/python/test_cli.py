@@ -40,9 +40,10 @@ def only_line(text: str) -> str:
 def test_help_teaches(main_here: Run) -> None:
     overview = main_here("--help")
     assert overview.returncode == 0
-    for word in (*NAMES, *lightcull.SAMPLERS, "render", "compare", "info", "examples:", "130"):
+    words = ("render", "compare", "info", "bench", "examples:", "130")
+    for word in (*NAMES, *lightcull.SAMPLERS, *words):
         assert word in overview.stdout
-    for name in ("render", "compare", "info"):
+    for name in ("render", "compare", "info", "bench"):
         text = main_here(name, "--help").stdout
         assert f"lightcull {name} " in text.split("examples:")[1]
     shared = ("--size WxH", "--max-depth N", "--seconds S", "--spp N", "--threads N", "--seed N")

@@ -48,7 +48,7 @@ class FakeJob:
     def stats(self) -> Stats:
         setup = self.setup_seconds[self.sampler]
         seconds = setup + self.spp * self.pass_seconds[self.sampler]
-        return Stats(self.spp, seconds, setup, seconds / 2, self.spp, 2 * self.spp)
+        return Stats(self.spp, seconds, setup, seconds / 2, self.spp, 2 * self.spp, seconds / 4)
 
 
 @pytest.fixture

@@ -23,7 +23,8 @@ TOP_KEYS = ["scene", "width", "height", "max_depth", "threads", "seconds", "comm
 SAMPLER_KEYS = {
     "spp", "seconds", "setup_seconds", "ns_per_selection", "rays_per_second", "accepted_per_point",
     "nodes_per_point", "lights_tested_per_point", "rmse", "relmse", "flip", "relmse_blurred",
-    "efficiency", "ratio_to_uniform", "ratio_to_light_bvh", "error_curve",
+    "efficiency", "ratio_to_uniform", "ratio_to_light_bvh", "error_curve", "relmse_blurred31",
+    "selection_share", "ratio_to_uniform_blurred", "ratio_to_light_bvh_blurred",
 }  # fmt: skip
 """What scripts read."""
 
@@ -49,6 +50,7 @@ def make_run(error: float, seconds: float = 10.0, **changes) -> report.SamplerRu
         seconds=seconds,
         setup_seconds=2.0,
         selection_seconds=3.0,
+        sampler_seconds=1.0,
         selections=1_000_000,
         rays=4_000_000,
         accepted_per_point=16.5,
@@ -140,6 +142,20 @@ def test_blur_tells_shared_error_from_independent_error() -> None:
     assert ratio["shared"] > 0.5
 
 
+def test_wide_blur_leaves_what_is_shared_far_and_wide() -> None:
+    chance = np.random.default_rng(4)
+    reference = flat(1.0, 248, 248)
+    blobs = np.kron(0.1 * chance.standard_normal((31, 31, 1)), np.ones((8, 8, 1)))
+    bands = np.kron(0.1 * chance.standard_normal((4, 1, 1)), np.ones((62, 248, 1)))
+    narrow, wide = (
+        [metrics.relmse_blurred(reference + shared, reference, size) for shared in (blobs, bands)]
+        for size in (metrics.BLUR_SIZE, metrics.WIDE_BLUR_SIZE)
+    )
+    # Blobs are larger than 7 x 7 pixels and much smaller than 31 x 31; bands are larger than both.
+    assert wide[0] < 0.2 * narrow[0]
+    assert wide[1] > 0.5 * narrow[1]
+
+
 def test_relmse_of_mean_is_the_variance_of_the_mean() -> None:
     chance = np.random.default_rng(3)
     truth = flat(1.0, 200, 200)
@@ -194,7 +210,9 @@ def test_figures_of_a_sampler() -> None:
     reference, image = reference_image(), make_run(0.4).image
     assert uniform["relmse"] == metrics.relmse(image, reference)
     assert uniform["relmse_blurred"] == metrics.relmse_blurred(image, reference)
+    assert uniform["relmse_blurred31"] == metrics.relmse_blurred(image, reference, 31)
     assert uniform["rmse"] == metrics.rmse(image, reference)
+    assert uniform["selection_share"] == pytest.approx(1 / 8)
     assert uniform["ns_per_selection"] == pytest.approx(3000.0)
     assert uniform["rays_per_second"] == pytest.approx(4e6 / 8.0)
     assert uniform["efficiency"] == pytest.approx(1 / (uniform["relmse"] * 10.0))
@@ -205,9 +223,22 @@ def test_figures_of_a_sampler() -> None:
     assert culled["ratio_to_light_bvh"] == pytest.approx(8, rel=1e-3)
 
 
+def test_ratios_after_the_blur_are_of_the_blurred_error() -> None:
+    shared = make_run(0.0, image=(1.1 * reference_image()).astype(np.float32))
+    result = figures.compute(make_comparison(uniform=make_run(0.2), light_bvh=shared))["samplers"]
+    assert result["uniform"]["ratio_to_uniform_blurred"] == 1
+    # Half of the error, but the blur leaves it; that of uniform it takes away.
+    assert result["light_bvh"]["ratio_to_uniform"] == pytest.approx(4, rel=1e-3)
+    expected = result["uniform"]["relmse_blurred"] / result["light_bvh"]["relmse_blurred"]
+    assert expected < 0.1
+    assert result["light_bvh"]["ratio_to_uniform_blurred"] == pytest.approx(expected)
+    assert result["uniform"]["ratio_to_light_bvh_blurred"] == pytest.approx(1 / expected)
+
+
 def test_ratios_are_null_without_their_baseline() -> None:
     only = figures.compute(make_comparison(culled=make_run(0.1)))["samplers"]["culled"]
-    assert only["ratio_to_uniform"] is None and only["ratio_to_light_bvh"] is None
+    for key in ("ratio_to_uniform", "ratio_to_light_bvh"):
+        assert only[key] is None and only[f"{key}_blurred"] is None
 
 
 def test_figures_that_do_not_exist_are_null() -> None:
@@ -376,12 +407,17 @@ def test_page_says_what_was_done(page_text: str) -> None:
 
 
 def test_page_marks_the_best_values(page_text: str) -> None:
-    row = next(row for row in page_text.split("<tr>") if 'name">culled:sets=16' in row)
-    marked = dict(
-        zip([column.key for column in html.COLUMNS], re.findall(r'<td( class="best")?>', row)[1:])
-    )
+    rows = [row for row in page_text.split("<tr>") if 'name">culled:sets=16' in row]
+    marked, cells = {}, {}
+    for row, columns in zip(rows, (html.ERROR_COLUMNS, html.COST_COLUMNS), strict=True):
+        found = re.findall(r'<td( class="best")?>(.*?)</td>', row)[1:]
+        for column, (best, text) in zip(columns, found, strict=True):
+            marked[column.key], cells[column.key] = best, text
     assert marked["relmse"] and marked["efficiency"] and marked["ratio_to_uniform"]
+    assert marked["relmse_blurred31"] and marked["ratio_to_light_bvh_blurred"]
     assert not marked["accepted_per_point"] and not marked["seconds"]
+    assert set(marked) == set(tables.RUN_COLUMNS)
+    assert cells["selection_share"] == html.significant(100 / 3)
 
 
 def test_page_warns_of_a_noisy_reference() -> None:

@@ -22,6 +22,7 @@ from ..images import check_format, check_writable, view_names
 from ..loaders import open_scene
 from ..render import render
 from ..scene import Scene
+from . import bench
 from .bars import Bars
 
 Command: TypeAlias = Callable[[argparse.Namespace, Sequence[str], Console], bool]
@@ -129,6 +130,11 @@ def _facts(scene: Scene) -> Iterator[tuple[str, str]]:
     )
 
 
+def _bench(options: argparse.Namespace, arguments: Sequence[str], messages: Console) -> bool:
+    with _warnings_to(messages):
+        return bench.run(options, messages)
+
+
 def _vector(values: Sequence[float] | np.ndarray) -> str:
     return "(" + ", ".join(f"{value:.4g}" for value in values) + ")"
 
@@ -156,4 +162,9 @@ def _warnings_to(messages: Console) -> Iterator[None]:
         yield
 
 
-COMMANDS: dict[str, Command] = {"render": _render, "compare": _compare, "info": _info}
+COMMANDS: dict[str, Command] = {
+    "render": _render,
+    "compare": _compare,
+    "info": _info,
+    "bench": _bench,
+}

@@ -6,7 +6,10 @@ import argparse
 import re
 from typing import NoReturn
 
-from .._core import Error
+from .._core import Error, instruction_sets
+from ..bench import DEFAULT_SAMPLERS as BENCH_SAMPLERS
+from ..bench import DEFAULT_SIZE as BENCH_SIZE
+from ..bench import DEFAULT_THREADS as BENCH_THREADS
 from ..compare import DEFAULT_SAMPLERS, SAMPLERS
 from ..sampler import check_description
 from ..scenes import NAMES
@@ -60,6 +63,28 @@ all. A reference is rendered first, for 8 times as long, by a sampler that is no
 two if all are), and kept in ~/.cache/lightcull. The folder gets index.html, report.json, report.csv
 and the images."""
 
+_BENCH_EXAMPLES = """\
+examples:
+  lightcull bench                                         every example scene and the series
+  lightcull bench lanterns --json bench.json
+  lightcull bench series --samplers light_bvh,culled --threads 2
+  lightcull bench city --targets all --samplers culled
+
+Times are wall time, the median of five repetitions in which the samplers take turns:
+  batch    nanoseconds of a selection, many points to a call. All that a pass needs is in it: of
+           culled, the sorting of the points AND the pass's refit for every set of ranges
+  single   nanoseconds of a selection, one point to a call; the pass's refit is not in it
+  ray      nanoseconds of one shadow ray from these points to the lights that the sampler chose
+  refit    nanoseconds of a pass's refit, per light and set of ranges; about 0 where there is none
+  build s  the build of the sampler, calibration included
+Counts: tree nodes visited and lights tested per point. B/light: memory of the sampler.
+Points are what camera rays hit; scattered: what paths hit after one bounce and after two; uniform:
+anywhere in the scene's bounds. exhaustive has fewer points where there are many lights. --json
+writes a list of rows with the keys scene, lights, points (camera, scattered, uniform), sampler,
+entry (batch, single), target, threads, ns_per_selection, shadow_ray_ns, nodes_per_point,
+lights_tested_per_point, refit_ns_per_light, build_seconds and bytes_per_light. All of it takes
+half an hour or so; a scene takes one or two minutes."""
+
 _INFO_EXAMPLES = """\
 examples:
   lightcull info lanterns
@@ -86,7 +111,6 @@ def make_parser() -> argparse.ArgumentParser:
             epilog=examples,
             formatter_class=argparse.RawDescriptionHelpFormatter,
         )
-        command.add_argument("scene", metavar="SCENE", help="file or name of an example")
         return command
 
     render = add("render", "render a scene to an image", _RENDER_EXAMPLES)
@@ -115,8 +139,51 @@ def make_parser() -> argparse.ArgumentParser:
     )
     _add_shared(compare, seconds=30, output="report", output_help="folder to write")
 
-    add("info", "say what is in a scene", _INFO_EXAMPLES)
+    _add_scene(add("info", "say what is in a scene", _INFO_EXAMPLES))
+    _add_bench(add("bench", "measure what a selection costs", _BENCH_EXAMPLES))
     return parser
+
+
+def _add_scene(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("scene", metavar="SCENE", help="file or name of an example")
+
+
+def _add_bench(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "scenes",
+        nargs="*",
+        metavar="SCENE",
+        help="file, name of an example, or series: lanterns with 1,000 to 1,000,000 lights of the "
+        "same total power; default: all examples and the series",
+    )
+    parser.add_argument(
+        "--samplers",
+        type=_samplers,
+        default=list(BENCH_SAMPLERS),
+        metavar="A,B,...",
+        help=f"default: {','.join(BENCH_SAMPLERS)}",
+    )
+    parser.add_argument(
+        "--size",
+        type=_size,
+        default=BENCH_SIZE,
+        metavar="WxH",
+        help="of the image whose points are taken; default: {}x{}".format(*BENCH_SIZE),
+    )
+    parser.add_argument(
+        "--threads",
+        type=_thread_counts,
+        default=list(BENCH_THREADS),
+        metavar="M,N,...",
+        help=f"default: {','.join(map(str, BENCH_THREADS))}",
+    )
+    parser.add_argument(
+        "--targets",
+        type=_targets,
+        metavar="A,B,...",
+        help="instruction sets, or all; default: the best that this machine has",
+    )
+    parser.add_argument("--json", metavar="FILE", help="file to write the rows to")
 
 
 def _make(
@@ -133,6 +200,7 @@ def _make(
 def _add_shared(
     parser: argparse.ArgumentParser, seconds: float, output: str, output_help: str
 ) -> None:
+    _add_scene(parser)
     parser.add_argument(
         "--size", type=_size, default=(320, 240), metavar="WxH", help="pixels; default: 320x240"
     )
@@ -197,3 +265,20 @@ def _sampler(text: str) -> str:
 
 def _samplers(text: str) -> list[str]:
     return [_sampler(description) for description in text.split(",")]
+
+
+def _thread_counts(text: str) -> list[int]:
+    return [_from_one(count) for count in text.split(",")]
+
+
+def _targets(text: str) -> list[str]:
+    available = instruction_sets()
+    if text == "all":
+        return available
+    names = text.split(",")
+    for name in names:
+        if name not in available:
+            raise argparse.ArgumentTypeError(
+                f"no instruction set {name!r} here; there are {', '.join(available)} and all"
+            )
+    return names

@@ -9,7 +9,8 @@ from . import metrics
 from .model import Comparison, SamplerRun
 
 BASELINES = {"ratio_to_uniform": "uniform", "ratio_to_light_bvh": "light_bvh"}
-"""Ratios of efficiency, and the sampler whose efficiency divides."""
+"""Ratios of efficiency, and the sampler whose efficiency divides. With `_blurred` after the key:
+the same with the error after the 7 x 7 blur."""
 
 
 def compute(comparison: Comparison) -> dict[str, Any]:
@@ -19,11 +20,13 @@ def compute(comparison: Comparison) -> dict[str, Any]:
     """
     reference = comparison.reference
     samplers = {name: _of_run(run, reference.image) for name, run in comparison.samplers.items()}
-    for figures in samplers.values():
-        for key, baseline in BASELINES.items():
-            figures[key] = _ratio(
-                figures["efficiency"], samplers.get(baseline, {}).get("efficiency")
-            )
+    for suffix, error in (("", "relmse"), ("_blurred", "relmse_blurred")):
+        efficiencies = {
+            name: _efficiency(run[error], run["seconds"]) for name, run in samplers.items()
+        }
+        for name, figures in samplers.items():
+            for key, baseline in BASELINES.items():
+                figures[key + suffix] = _ratio(efficiencies[name], efficiencies.get(baseline))
     return {
         "scene": comparison.scene,
         "width": comparison.width,
@@ -43,23 +46,31 @@ def compute(comparison: Comparison) -> dict[str, Any]:
 
 
 def _of_run(run: SamplerRun, reference_image: Any) -> dict[str, Any]:
-    relmse = metrics.relmse(run.image, reference_image)
+    relmse = _finite(metrics.relmse(run.image, reference_image))
     return {
         "spp": int(run.spp),
         "seconds": float(run.seconds),
         "setup_seconds": float(run.setup_seconds),
         "ns_per_selection": _ratio(1e9 * run.selection_seconds, run.selections),
+        "selection_share": _ratio(run.sampler_seconds, run.seconds - run.setup_seconds),
         "rays_per_second": _ratio(run.rays, run.seconds - run.setup_seconds),
         "accepted_per_point": _finite(run.accepted_per_point),
         "nodes_per_point": _finite(run.nodes_per_point),
         "lights_tested_per_point": _finite(run.lights_tested_per_point),
         "rmse": metrics.rmse(run.image, reference_image),
-        "relmse": _finite(relmse),
+        "relmse": relmse,
         "flip": metrics.flip(run.image, reference_image),
         "relmse_blurred": _finite(metrics.relmse_blurred(run.image, reference_image)),
-        "efficiency": _finite(metrics.efficiency(relmse, run.seconds)),
+        "relmse_blurred31": _finite(
+            metrics.relmse_blurred(run.image, reference_image, metrics.WIDE_BLUR_SIZE)
+        ),
+        "efficiency": _efficiency(relmse, run.seconds),
         "error_curve": [[float(seconds), _finite(error)] for seconds, error in run.curve],
     }
+
+
+def _efficiency(error: float | None, seconds: float) -> float | None:
+    return None if error is None else _finite(metrics.efficiency(error, seconds))
 
 
 def _ratio(above: float | None, below: float | None) -> float | None:

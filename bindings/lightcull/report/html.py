@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import json
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,7 +19,7 @@ NARROW, THIN = "\u202f", "\u2009"
 
 @dataclass(frozen=True)
 class Column:
-    """A column of the page's table."""
+    """A column of a table of the page."""
 
     key: str
     title: str
@@ -28,21 +29,28 @@ class Column:
     """What one in the table stands for."""
 
 
-COLUMNS = (
+ERROR_COLUMNS = (
     Column("seconds", "time, s"),
-    Column("setup_seconds", "set-up, s"),
     Column("spp", "samples / pixel", "high"),
-    Column("ns_per_selection", "ns / selection", "low"),
-    Column("rays_per_second", "M rays / s", "high", 1e6),
-    Column("accepted_per_point", "lights accepted / point"),
-    Column("nodes_per_point", "nodes / point"),
     Column("rmse", "RMSE", "low"),
+    Column("flip", "FLIP", "low"),
     Column("relmse", "relMSE", "low"),
     Column("relmse_blurred", "relMSE after 7 × 7 blur", "low"),
-    Column("flip", "FLIP", "low"),
+    Column("relmse_blurred31", "relMSE after 31 × 31 blur", "low"),
     Column("efficiency", "efficiency, 1/s", "high"),
     Column("ratio_to_uniform", "× uniform", "high"),
     Column("ratio_to_light_bvh", "× light_bvh", "high"),
+    Column("ratio_to_uniform_blurred", "× uniform, blurred", "high"),
+    Column("ratio_to_light_bvh_blurred", "× light_bvh, blurred", "high"),
+)
+COST_COLUMNS = (
+    Column("setup_seconds", "set-up, s"),
+    Column("ns_per_selection", "ns / selection", "low"),
+    Column("selection_share", "selection, % of time", "low", 0.01),
+    Column("rays_per_second", "M rays / s", "high", 1e6),
+    Column("accepted_per_point", "lights accepted / point"),
+    Column("nodes_per_point", "nodes / point"),
+    Column("lights_tested_per_point", "lights tested / point"),
 )
 
 
@@ -63,8 +71,10 @@ def render(figures: dict[str, Any], images: dict[str, dict[str, bytes]], view: s
     return environment.get_template("template.html").render(
         figures=figures,
         headline=_headline(figures),
-        columns=COLUMNS,
-        rows=_rows(figures),
+        tables=[
+            {"columns": columns, "rows": _rows(figures, columns)}
+            for columns in (ERROR_COLUMNS, COST_COLUMNS)
+        ],
         near_floor=_near_floor(figures),
         colors=plots.sampler_colors(names),
         plot=plots.to_svg(plots.error_against_time(figures)),
@@ -135,11 +145,11 @@ def _headline(figures: dict[str, Any]) -> str:
     return f"{best} is " + " and ".join(gains) + " in efficiency"
 
 
-def _rows(figures: dict[str, Any]) -> list[dict[str, Any]]:
-    """A row of the table for each sampler: its cells' text, and which are the best."""
+def _rows(figures: dict[str, Any], columns: Sequence[Column]) -> list[dict[str, Any]]:
+    """A row of a table for each sampler: its cells' text, and which are the best."""
     samplers = figures["samplers"]
     best = {}
-    for column in COLUMNS:
+    for column in columns:
         values = [run[column.key] for run in samplers.values() if run[column.key] is not None]
         if column.better and len(samplers) > 1 and values:
             best[column.key] = max(values) if column.better == "high" else min(values)
@@ -151,7 +161,7 @@ def _rows(figures: dict[str, Any]) -> list[dict[str, Any]]:
                     "text": _text(run[column.key], column.unit),
                     "best": column.key in best and run[column.key] == best[column.key],
                 }
-                for column in COLUMNS
+                for column in columns
             ],
         }
         for name, run in samplers.items()

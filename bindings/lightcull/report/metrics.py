@@ -6,6 +6,8 @@ import numpy as np
 
 BLUR_SIZE = 7
 """Side of the box filter of `relmse_blurred`, pixels."""
+WIDE_BLUR_SIZE = 31
+"""And of one that leaves only what is shared far and wide: bands, blobs, flicker."""
 
 
 def _pair(image: np.ndarray, reference: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -63,14 +65,14 @@ def _mean_along(values: np.ndarray, axis: int, reach: int) -> np.ndarray:
     return (np.take(sums, last, axis=axis) - np.take(sums, first, axis=axis)) / count
 
 
-def relmse_blurred(image: np.ndarray, reference: np.ndarray) -> float:
-    """relMSE of the two images after a 7 x 7 box blur of both.
+def relmse_blurred(image: np.ndarray, reference: np.ndarray, size: int = BLUR_SIZE) -> float:
+    """relMSE of the two images after a box blur of both by `size` x `size` pixels.
 
-    Error that is independent from pixel to pixel falls to about 1/49; error that neighbours share,
-    such as banding, stays.
+    Error that is independent from pixel to pixel falls to about 1/size^2; error that neighbours
+    share, such as banding, stays.
     """
     x, r = _pair(image, reference)
-    return relmse(box_blur(x), box_blur(r))
+    return relmse(box_blur(x, size), box_blur(r, size))
 
 
 def relmse_of_mean(half_a: np.ndarray, half_b: np.ndarray) -> float:

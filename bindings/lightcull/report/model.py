@@ -35,6 +35,8 @@ class SamplerRun:
     """Time before the first sample: builds, pilots."""
     selection_seconds: float
     """Time spent choosing lights, summed over threads."""
+    sampler_seconds: float
+    """Time that the passes spent on refits and on choosing lights."""
     selections: int
     """How often a light was chosen."""
     rays: int

@@ -12,6 +12,7 @@ RUN_COLUMNS = (
     "seconds",
     "setup_seconds",
     "ns_per_selection",
+    "selection_share",
     "rays_per_second",
     "accepted_per_point",
     "nodes_per_point",
@@ -20,9 +21,12 @@ RUN_COLUMNS = (
     "relmse",
     "flip",
     "relmse_blurred",
+    "relmse_blurred31",
     "efficiency",
     "ratio_to_uniform",
     "ratio_to_light_bvh",
+    "ratio_to_uniform_blurred",
+    "ratio_to_light_bvh_blurred",
 )
 """Columns of report.csv that hold figures of a sampler, by their keys in report.json."""
 

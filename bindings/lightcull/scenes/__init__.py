@@ -19,10 +19,11 @@ NAMES = {
 """The example scenes, and what each shows."""
 
 
-def build(name: str) -> Scene:
+def build(name: str, **options: int) -> Scene:
     """Builds an example scene, the same in every call.
 
-    Raises lightcull.Error for a name that is not in `NAMES`.
+    options: of `lanterns`, how many `lights`; see there. Raises lightcull.Error for a name that is
+    not in `NAMES`.
     """
     import lightcull
 
@@ -32,5 +33,5 @@ def build(name: str) -> Scene:
             f"no example scene {name!r}; did you mean {near!r}? There are: {', '.join(NAMES)}"
         )
     scene = lightcull.Scene(name)
-    importlib.import_module(f".{name}", __name__).fill(scene)
+    importlib.import_module(f".{name}", __name__).fill(scene, **options)
     return scene

@@ -1,6 +1,7 @@
 """A palace of four courtyards at night, hung with 2,736 lanterns; the camera is in one of them.
 
-Each lantern is an icosahedron of 20 lights; its power is log-normal.
+Each lantern is an icosahedron of 20 lights; its power is log-normal. The same palace can be lit by
+more and dimmer lanterns, or by fewer and brighter ones.
 """
 
 from __future__ import annotations
@@ -29,62 +30,84 @@ if TYPE_CHECKING:
 STRINGS, PER_STRING = 2, 12
 """In each court."""
 LANTERNS = 2736
-POWER_SIGMA = 1.5
-"""Deviation of the logarithm of a lantern's power."""
+LIGHTS = 20 * LANTERNS
+POWER_MEDIAN, POWER_SIGMA = 1.6, 1.5
+"""Of a lantern's power, in watts, and deviation of its logarithm."""
+TOTAL_POWER = 14_256.5
+"""What `LANTERNS` of them happen to have together, in watts: any other number gets the same."""
 PAPERS = ("#ffa640", "#ff9438", "#ffbf5c", "#ff7a3a", "#ff5a36", "#ffd48a")
 ODD_PAPERS = ("#ff4f86", "#58d0c0", "#9d7bff")
 
 
-def fill(scene: Scene) -> None:
+def fill(scene: Scene, lights: int = LIGHTS) -> None:
+    """lights: a multiple of 20. Places for `LANTERNS` of them are filled in part where they are
+    fewer, and are taken closer together where they are more, for lanterns that are smaller in
+    proportion. The power of all together stays.
+    """
+    import lightcull
+
+    if lights < 20 or lights % 20 != 0:
+        raise lightcull.Error(f"lanterns: lights must be a multiple of 20, got {lights}")
     chance = Chance(2736)
     palace.add_architecture(scene, chance)
     palace.add_fountains(scene)
     crowns = palace.add_trees(scene, chance)
-    _add_lanterns(scene, chance, crowns)
+    _add_lanterns(scene, chance, crowns, lights // 20)
     scene.set_camera(
         origin=(8.0, 1.7, 8.6), target=(10.0, 2.95, -6.0), vertical_fov=np.radians(58.0)
     )
 
 
-def _add_lanterns(scene: Scene, chance: Chance, crowns: np.ndarray) -> None:
-    radii = chance.uniform(0.06, 0.11, LANTERNS)
-    over_court, strings = _strings(chance)
-    in_bays = _in_bays(chance)
+def _add_lanterns(scene: Scene, chance: Chance, crowns: np.ndarray, count: int) -> None:
+    crowding = -(-count // LANTERNS)
+    places = crowding * LANTERNS
+    radii = chance.uniform(0.06, 0.11, places) / crowding
+    over_court, strings = _strings(chance, crowding)
+    in_bays = _in_bays(chance, crowding)
     hung = np.concatenate((over_court, in_bays))
     drop = np.zeros_like(hung)
     drop[:, 1] = np.concatenate(
         (chance.uniform(0.2, 0.5, len(over_court)), chance.uniform(0.2, 1.3, len(in_bays)))
     )
-    centres = [hung - drop, _on_columns(chance), _on_arches(), _on_balustrade()]
-    centres.append(_in_trees(chance, crowns))
-    standing = LANTERNS - sum(map(len, centres))
-    centres.append(_on_the_ground(chance, radii[-standing:]))
+    centres = [hung - drop, _on_columns(chance, crowding)]
+    centres += [_on_arches(crowding), _on_balustrade(crowding), _in_trees(chance, crowns, crowding)]
+    standing = places - sum(map(len, centres))
+    centres.append(_on_the_ground(chance, radii[-standing:], crowding))
+    turns = chance.uniform(0, 2 * np.pi, places)
 
+    taken = _taken(chance, places, count)
     lanterns = geometry.scatter(
-        geometry.icosahedron(),
-        np.concatenate(centres),
-        radii,
-        chance.uniform(0, 2 * np.pi, LANTERNS),
+        geometry.icosahedron(), np.concatenate(centres)[taken], radii[taken], turns[taken]
     )
-    filling.add_lights(scene, "lanterns", lanterns, np.repeat(_radiance(chance, radii), 20, axis=0))
+    radiance = _radiance(chance, radii[taken])
+    filling.add_lights(scene, "lanterns", lanterns, np.repeat(radiance, 20, axis=0))
     cord = filling.diffuse(scene, np.full(3, 0.03))
     filling.add(scene, "strings", geometry.tubes(strings, 0.006), cord)
-    filling.add(
-        scene, "hangers", geometry.tubes(np.stack((hung, hung - drop), axis=1), 0.003), cord
-    )
+    hangers = np.stack((hung, hung - drop), axis=1)[taken[taken < len(hung)]]
+    filling.add(scene, "hangers", geometry.tubes(hangers, 0.003), cord)
+
+
+def _taken(chance: Chance, places: int, count: int) -> np.ndarray:
+    """Which of the places have a lantern: (count,) ascending."""
+    if count == places:
+        return np.arange(places)
+    return np.sort(np.argsort(chance.uniform(shape=places), kind="stable")[:count])
 
 
 def _radiance(chance: Chance, radii: np.ndarray) -> np.ndarray:
-    """(LANTERNS, 3): log-normal power, spread over the lantern's surface."""
-    tint = chance.pick(np.array([from_srgb(code) for code in PAPERS]), LANTERNS)
-    odd = chance.uniform(shape=LANTERNS) < 0.06
+    """(N, 3) for N lanterns: log-normal power, spread over the lantern's surface."""
+    count = len(radii)
+    tint = chance.pick(np.array([from_srgb(code) for code in PAPERS]), count)
+    odd = chance.uniform(shape=count) < 0.06
     tint[odd] = chance.pick(np.array([from_srgb(code) for code in ODD_PAPERS]), odd.sum())
-    power = 1.6 * chance.log_normal(POWER_SIGMA, LANTERNS)
+    power = POWER_MEDIAN * chance.log_normal(POWER_SIGMA, count)
+    if count != LANTERNS:
+        power *= TOTAL_POWER / power.sum()
     # A sphere's M = pi L over its area; the icosahedron has four fifths of it.
     return with_luminance(tint, power / (np.pi * 4 * np.pi * radii**2))
 
 
-def _strings(chance: Chance) -> tuple[np.ndarray, np.ndarray]:
+def _strings(chance: Chance, crowding: int) -> tuple[np.ndarray, np.ndarray]:
     """Points that lanterns hang from (K, 3), and the strings across the courts (S, P, 3)."""
     count = STRINGS * len(COURTS)
     middle_z = np.linspace(-0.5, 0.5, STRINGS) * HALF_LENGTH
@@ -101,7 +124,8 @@ def _strings(chance: Chance) -> tuple[np.ndarray, np.ndarray]:
         y = y - 4 * sag[:, None] * s * (1 - s)
         return np.stack((across, y, ends_z[0][:, None] * (1 - s) + ends_z[1][:, None] * s), axis=-1)
 
-    places = along((np.arange(PER_STRING) + 0.5) / PER_STRING)
+    each = PER_STRING * crowding
+    places = along((np.arange(each) + 0.5) / each)
     return places.reshape(-1, 3), along(np.linspace(0, 1, 25))
 
 
@@ -114,16 +138,16 @@ def _around(chance: Chance, middle: np.ndarray, each: int, near: float, far: flo
     return np.repeat(middle, each, axis=0) + offset
 
 
-def _in_bays(chance: Chance) -> np.ndarray:
+def _in_bays(chance: Chance, crowding: int) -> np.ndarray:
     """Points on the ceilings of the arcades."""
     middles = [places_around_courts(0.0, ceiling, -DEPTH / 2) for _, ceiling in STOREYS]
-    return _around(chance, np.concatenate(middles), 1, 0.0, 1.0)
+    return _around(chance, np.concatenate(middles), crowding, 0.0, 1.0)
 
 
-def _on_columns(chance: Chance) -> np.ndarray:
+def _on_columns(chance: Chance, crowding: int) -> np.ndarray:
     """Garlands wound around the columns of the ground floor."""
     feet = places_around_courts(-BAY / 2, 0.0, 0.0)
-    each = 6
+    each = 6 * crowding
     turn = np.tile(np.arange(each) / each, len(feet))
     angle = 2 * np.pi * 2.0 * turn + np.repeat(chance.uniform(0, 2 * np.pi, len(feet)), each)
     height = 0.55 + 2.0 * turn
@@ -132,9 +156,10 @@ def _on_columns(chance: Chance) -> np.ndarray:
     return np.repeat(feet, each, axis=0) + offset
 
 
-def _on_arches() -> np.ndarray:
+def _on_arches(crowding: int) -> np.ndarray:
     """Lanterns along the edges of the arches, on the side of the court."""
-    angle = np.pi * (np.arange(4) + 0.5) / 4
+    each = 4 * crowding
+    angle = np.pi * (np.arange(each) + 0.5) / each
     reach = BAY / 2 - COLUMN_RADIUS + 0.16
     rows = []
     for spring in (STOREYS[0][0] + 2.9, STOREYS[1][0] + 2.1):
@@ -143,22 +168,23 @@ def _on_arches() -> np.ndarray:
     return np.concatenate(rows)
 
 
-def _on_balustrade() -> np.ndarray:
+def _on_balustrade(crowding: int) -> np.ndarray:
     """Lanterns along the rail of the gallery, in swags on the side of the court."""
-    x = np.linspace(-0.8, 0.8, 2)
+    x = np.linspace(-0.8, 0.8, 2 * crowding)
     heights = STOREYS[1][0] + 0.5 + 0.2 * (x / 1.2) ** 2
     return np.concatenate([places_around_courts(a, b, 0.26) for a, b in zip(x, heights)])
 
 
-def _in_trees(chance: Chance, crowns: np.ndarray) -> np.ndarray:
-    out = chance.directions(4 * len(crowns))
-    return np.repeat(crowns, 4, axis=0) + out * chance.uniform(0.75, 0.95, len(out))[:, None]
+def _in_trees(chance: Chance, crowns: np.ndarray, crowding: int) -> np.ndarray:
+    each = 4 * crowding
+    out = chance.directions(each * len(crowns))
+    return np.repeat(crowns, each, axis=0) + out * chance.uniform(0.75, 0.95, len(out))[:, None]
 
 
-def _on_the_ground(chance: Chance, radii: np.ndarray) -> np.ndarray:
+def _on_the_ground(chance: Chance, radii: np.ndarray, crowding: int) -> np.ndarray:
     """Lanterns that stand at the feet of the columns, about the fountains and along a path."""
     feet = places_around_courts(-BAY / 2, 0.0, 0.35)
-    at_columns = _around(chance, feet, 1, 0.25, 0.75)
+    at_columns = _around(chance, feet, crowding, 0.25, 0.75)
     each = (len(radii) - len(at_columns)) // len(COURTS)
     ring = each // 3
     angle = 2 * np.pi * np.arange(ring) / ring

@@ -32,6 +32,7 @@ struct RenderSettings {
 struct RenderStats {
     std::uint64_t passes = 0;        ///< samples per pixel so far
     double seconds = 0.0;            ///< wall time of render_pass(), the sampler's refits included
+    double sampler_seconds = 0.0;    ///< of `seconds`, those that refits and selections take
     double selection_seconds = 0.0;  ///< time in LightSampler::select(), summed over threads
     std::uint64_t selections = 0;
     std::uint64_t rays = 0;  ///< camera, shadow and scattered rays
@@ -66,6 +67,13 @@ class Renderer {
 /// the camera. Fewer where rays leave the scene.
 std::vector<ShadingPoint> camera_points(const Scene& scene, const RenderSettings& settings,
                                         std::uint32_t count);
+
+/// The points at which the renderer asks `sampler` for lights when paths are `depth` edges long, of
+/// one pass, in its order and with its sets. depth 1: what camera rays hit, a point per pixel at
+/// most; 2 and 3: after one and two bounces. Empty if the scene has no lights. Traced in the
+/// caller's TBB arena.
+std::vector<ShadingPoint> path_points(const Scene& scene, const RenderSettings& settings,
+                                      const LightSampler& sampler, std::uint32_t depth);
 
 /// A sampler over the scene's lights by its description (see make_sampler), calibrated on points
 /// that paths of this scene meet.

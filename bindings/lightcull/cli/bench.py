@@ -1,0 +1,131 @@
+"""lightcull bench."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import asdict
+from functools import partial
+from itertools import groupby
+from pathlib import Path
+from typing import TypeAlias
+
+from rich.box import SIMPLE
+from rich.console import Console
+from rich.table import Table
+
+from .. import scenes
+from .._core import Error
+from ..bench import Row, bench
+from ..images import check_writable
+from ..loaders import example_scene, open_scene
+from ..scene import Scene
+from ..scenes.lanterns import LIGHTS
+
+SERIES = "series"
+SERIES_LIGHTS = (1_000, 10_000, LIGHTS, 250_000, 1_000_000)
+
+SceneMaker: TypeAlias = Callable[[], Scene]
+
+
+def run(options: argparse.Namespace, messages: Console) -> bool:
+    """Measures, prints a table for each scene and writes the JSON. False if Ctrl-C ended it."""
+    if options.json is not None:
+        _check_output(Path(options.json))
+    rows: list[Row] = []
+    completed = True
+    try:
+        for make_scene in _scenes(options.scenes):
+            _bench(make_scene(), options, messages, rows)
+    except KeyboardInterrupt:
+        if not rows:
+            raise
+        completed = False
+    if options.json is not None:
+        text = json.dumps([asdict(row) for row in rows], indent=2, allow_nan=False)
+        Path(options.json).write_text(text + "\n", encoding="utf-8")
+    return completed
+
+
+def _bench(scene: Scene, options: argparse.Namespace, messages: Console, rows: list[Row]) -> None:
+    """Adds the rows of a scene, as far as they go, and prints them."""
+    first = len(rows)
+    try:
+        with messages.status(scene.name) as status:
+            for row in bench(
+                scene,
+                options.samplers,
+                size=options.size,
+                threads=options.threads,
+                targets=options.targets,
+                progress=status.update,
+            ):
+                rows.append(row)
+    finally:
+        _print(rows[first:])
+
+
+def _check_output(path: Path) -> None:
+    if path.is_dir():
+        raise Error(f"{path}: is a folder; wanted the name of a file")
+    check_writable(path.parent)
+
+
+def _scenes(names: Sequence[str]) -> list[SceneMaker]:
+    """What makes the scenes, each once. Files are read at once, so that errors come at once."""
+    makers: dict[tuple[str, int], SceneMaker] = {}
+    for name in names or [*scenes.NAMES, SERIES]:
+        if name == SERIES:
+            for lights in SERIES_LIGHTS:
+                make = partial(scenes.build, "lanterns", lights=lights)
+                makers[("lanterns", lights)] = make
+        elif name in scenes.NAMES:
+            lights = LIGHTS if name == "lanterns" else 0
+            makers[(name, lights)] = partial(example_scene, name)
+        else:
+            makers[(name, 0)] = partial(_same, open_scene(name))
+    return list(makers.values())
+
+
+def _same(scene: Scene) -> Scene:
+    return scene
+
+
+_COLUMNS = ("batch", "single", "ray", "nodes", "lights", "refit", "build s", "B/light")
+
+
+def _print(rows: Sequence[Row]) -> None:
+    """A table for each setting, with a line for each sampler and both entries in it."""
+    console = Console(highlight=False)
+    for setting, of_setting in groupby(rows, key=_setting):
+        table = Table(title=setting, title_justify="left", box=SIMPLE, padding=(0, 1, 0, 0))
+        table.add_column("sampler", overflow="fold")
+        for heading in _COLUMNS:
+            table.add_column(heading, justify="right", no_wrap=True)
+        for sampler, entries in groupby(of_setting, key=lambda row: row.sampler):
+            table.add_row(sampler, *_cells(list(entries)))
+        console.print(table)
+
+
+def _setting(row: Row) -> str:
+    threads = f"{row.threads} thread{'s' if row.threads > 1 else ''}"
+    return f"{row.scene}, {row.lights:,} lights: {row.points} points, {threads}, {row.target}"
+
+
+def _cells(entries: Sequence[Row]) -> Iterator[str]:
+    for entry in entries:
+        yield _short(entry.ns_per_selection)
+    row = entries[0]
+    yield "-" if row.shadow_ray_ns is None else _short(row.shadow_ray_ns)
+    yield f"{row.nodes_per_point:.1f}"
+    yield _short(row.lights_tested_per_point, decimals=1)
+    yield f"{row.refit_ns_per_light:.2f}"
+    yield f"{row.build_seconds:.2f}"
+    yield _short(row.bytes_per_light)
+
+
+def _short(value: float, decimals: int = 0) -> str:
+    if value >= 1e6:
+        return f"{value / 1e6:.2f}M"
+    return f"{value / 1e3:.1f}k" if value >= 1e4 else f"{value:,.{decimals}f}"

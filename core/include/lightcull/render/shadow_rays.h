@@ -1,0 +1,31 @@
+#pragma once
+
+#include <lightcull/light_sampler.h>
+#include <lightcull/render/scene.h>
+#include <lightcull/span.h>
+
+#include <cstddef>
+#include <memory>
+
+namespace lightcull {
+
+/// Shadow rays from points towards the lights chosen for them, to measure what one costs.
+class ShadowRays {
+  public:
+    /// One for each point whose selection has a prob above 0, to the middle of the light's bounds.
+    /// The scene must be committed and stay alive; selections are of its lights, one per point.
+    ShadowRays(const Scene& scene, Span<const ShadingPoint> points,
+               Span<const Selection> selections);
+    ~ShadowRays();
+
+    std::size_t size() const noexcept;
+
+    /// Traces all of them, in the caller's TBB arena. Returns how many reach their light.
+    std::size_t trace() const;
+
+  private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace lightcull
