@@ -29,6 +29,11 @@ constexpr float uniform_float(std::uint64_t bits) noexcept {
     return static_cast<float>(bits >> 40) * 0x1p-24f;
 }
 
+/// The upper 53 bits as a double in [0, 1).
+constexpr double uniform_double(std::uint64_t bits) noexcept {
+    return static_cast<double>(bits >> 11) * 0x1p-53;
+}
+
 /// A sequence of uniform numbers of its own for each key.
 class RandomStream {
   public:

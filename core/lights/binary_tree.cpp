@@ -21,7 +21,7 @@ struct Extent {
     double intensity = 0.0;
     std::uint32_t count = 0;
 
-    void add(const LightRecord& light) noexcept {
+    void add(const RangedLight& light) noexcept {
         low = min(low, light.center);
         high = max(high, light.center);
         intensity += static_cast<double>(light.intensity);
@@ -62,11 +62,11 @@ struct Split {
 
 class Builder {
   public:
-    Builder(const LightTable& table, float reach, BinaryTree& tree)
-        : table_(table), reach_(static_cast<double>(reach)), tree_(tree) {
-        keys_.reserve(table.lit.size());
-        for (const std::uint32_t i : table.lit) {
-            const LightRecord& light = table.records[i];
+    Builder(Span<const RangedLight> lights, float reach, BinaryTree& tree)
+        : lights_(lights), reach_(static_cast<double>(reach)), tree_(tree) {
+        keys_.reserve(lights.size());
+        for (std::uint32_t i = 0; i < lights.size(); ++i) {
+            const RangedLight& light = lights[i];
             keys_.push_back(
                 {i, {light.center.x, light.center.y, light.center.z, std::log2(light.intensity)}});
         }
@@ -98,7 +98,7 @@ class Builder {
   private:
     Extent extent(std::uint32_t begin, std::uint32_t end) const noexcept {
         Extent all;
-        for (std::uint32_t i = begin; i < end; ++i) all.add(table_.records[keys_[i].light]);
+        for (std::uint32_t i = begin; i < end; ++i) all.add(lights_[keys_[i].light]);
         return all;
     }
 
@@ -129,7 +129,7 @@ class Builder {
         std::array<Extent, kBins> bins;
         for (std::uint32_t i = begin; i < end; ++i) {
             const auto bin = static_cast<std::size_t>(split.bin_of(keys_[i]));
-            bins[bin].add(table_.records[keys_[i].light]);
+            bins[bin].add(lights_[keys_[i].light]);
         }
         std::array<double, kBins> cost_above{};
         Extent above;
@@ -147,7 +147,7 @@ class Builder {
         }
     }
 
-    const LightTable& table_;
+    Span<const RangedLight> lights_;
     double reach_;
     BinaryTree& tree_;
     std::vector<Key> keys_;
@@ -155,12 +155,12 @@ class Builder {
 
 }  // namespace
 
-BinaryTree build_binary_tree(const LightTable& table, float reach) {
+BinaryTree build_binary_tree(Span<const RangedLight> lights, float reach) {
     BinaryTree tree;
-    const auto count = static_cast<std::uint32_t>(table.lit.size());
+    const auto count = static_cast<std::uint32_t>(lights.size());
     if (count == 0) return tree;
     tree.nodes.resize(2 * std::size_t{count} - 1);
-    Builder(table, reach, tree).build(0, 0, count, 0);
+    Builder(lights, reach, tree).build(0, 0, count, 0);
     return tree;
 }
 

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <lightcull/span.h>
+
 #include <cstdint>
 #include <vector>
 
-#include "lights/light_record.h"
+#include "lights/ranges.h"
 
 namespace lightcull {
 
@@ -12,14 +14,14 @@ namespace lightcull {
 struct BinaryTree {
     struct Node {
         std::uint32_t right;  ///< index of the right child; 0 for a leaf
-        std::uint32_t light;  ///< of a leaf: index in the table
+        std::uint32_t light;  ///< of a leaf: its index
         float visits;         ///< grows with the chance that a point visits the node
     };
     std::vector<Node> nodes;  ///< 2 n - 1, or none
 };
 
-/// Splits the lit lights of a table top down by a surface area heuristic for random ranges. Runs in
-/// the caller's TBB arena; the result does not depend on it.
-BinaryTree build_binary_tree(const LightTable& table, float reach);
+/// Splits lights of intensity above 0 top down by a surface area heuristic for random ranges. Runs
+/// in the caller's TBB arena; the result does not depend on it.
+BinaryTree build_binary_tree(Span<const RangedLight> lights, float reach);
 
 }  // namespace lightcull

@@ -36,7 +36,7 @@ class ClampedSampler final : public LightSampler {
         if (record == CullingTree::kNoRecord) return 0.0f;
         const LightRecord& data = tree_.record(record);
         const Approach way = approach(tree_.frame().position(point.position), data.center);
-        if (!tree_.accepts(record, 0, way)) return 0.0f;
+        if (!tree_.tree().accepts(record, 0, way)) return 0.0f;
         const float g = importance(data, way, Receiver(point));
         return g > 0.0f ? g / receipt.weight_sum : 0.0f;
     }
@@ -62,8 +62,8 @@ class ClampedSampler final : public LightSampler {
 std::unique_ptr<LightSampler> make_clamped_sampler(Span<const Light> lights,
                                                    const RangeOptions& options) {
     const LightTable table = make_light_table(lights);
-    return std::make_unique<ClampedSampler>(table,
-                                            calibrate_reach(table, options, RangeLaw::kConstant));
+    return std::make_unique<ClampedSampler>(
+        table, calibrate_reach(ranged_scene(table), options, RangeLaw::kConstant));
 }
 
 }  // namespace lightcull

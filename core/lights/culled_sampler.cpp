@@ -1,39 +1,46 @@
+#include <lightcull/error.h>
 #include <lightcull/samplers.h>
 
 #include <algorithm>
+#include <array>
 #include <vector>
 
-#include "lights/culling_tree.h"
 #include "lights/kernels.h"
+#include "lights/light_groups.h"
 #include "lights/parallel_blocks.h"
 #include "lights/point_order.h"
 #include "lights/range_calibration.h"
+#include "lights/range_tree.h"
 #include "lights/reservoir.h"
 #include "lights/set_count.h"
 
 namespace lightcull {
 namespace {
 
-/// Every accepted light is weighed by g / p while the tree is walked, and one is kept. The mean
-/// over xi of [i accepted] (g_i / p_i) / W / prob is 1 for prob = g_i / W.
+/// Every accepted group of lights is weighed by g / p while the tree is walked, and one is kept;
+/// its light is then found down a light BVH. The mean over xi of [i accepted] (g_i / p_i) / W /
+/// prob is 1 for prob = g_i / W.
 class CulledSampler final : public LightSampler {
   public:
-    CulledSampler(const LightTable& table, const RandomRanges& ranges) : tree_(table, ranges) {}
-
-    using LightSampler::select;
+    CulledSampler(const Frame& frame, LightGroups groups, const RandomRanges& ranges)
+        : frame_(frame), groups_(std::move(groups)), tree_(groups_.ranged(), ranges) {
+        groups_.reorder(tree_.tree().order);
+    }
 
     void begin_pass(std::uint64_t pass) override { tree_.begin_pass(pass); }
 
     Selection select(const ShadingPoint& point, float u) const noexcept override {
         Reservoir reservoir(u);
-        const float3 x = tree_.frame().position(point.position);
-        tree_.for_each_accepted(x, Receiver(point), point.set, [&](const Accepted& accepted) {
-            reservoir.add(accepted.record, accepted.importance,
-                          accepted.importance * accepted.inverse_prob);
+        const LightBvhPoint x = to_local(point);
+        for_each_weighed(x, point.set, [&](std::uint32_t group, float g, const Approach& way) {
+            reservoir.add(group, g, g * tree_.inverse_prob(group, way));
         });
-        const Receipt receipt{reservoir.weight_sum(), point.set};
-        if (!reservoir.chosen()) return {0, 0.0f, receipt};
-        return {tree_.to_light(reservoir.light()), reservoir.prob(), receipt};
+        const float sum = reservoir.weight_sum();
+        LightBvhDescent descent;
+        descent.point = x;
+        start(reservoir.light(), reservoir.prob(), sum, u, descent);
+        kernels().means.descend(groups_.bvh, {&descent, 1});
+        return result(descent, {sum, point.set});
     }
 
     /// Sixteen points at a time, of one set and near each other.
@@ -48,57 +55,110 @@ class CulledSampler final : public LightSampler {
         });
     }
 
-    /// g_i / W', with W' = W if light i was accepted, else W + w_i (DESIGN section 3, MIS).
+    /// Of the group g / W', with W' = W if it was accepted, else W + w (DESIGN section 3, MIS);
+    /// times that of the light within it.
     float prob(const ShadingPoint& point, const Receipt& receipt,
                std::uint32_t light) const noexcept override {
-        const std::uint32_t record = tree_.to_record(light);
-        if (record == CullingTree::kNoRecord) return 0.0f;
-        const LightRecord& data = tree_.record(record);
-        const Approach way = approach(tree_.frame().position(point.position), data.center);
-        const float g = importance(data, way, Receiver(point));
+        const std::uint32_t index = groups_.group_of[light];
+        if (index == LightGroups::kNoGroup) return 0.0f;
+        const LightGroup& group = groups_.groups[index];
+        const LightBvhPoint x = to_local(point);
+        const Approach way = approach(x.position, group.center);
+        const float g = importance(group, way, x);
         if (!(g > 0.0f)) return 0.0f;
-        if (tree_.accepts(record, receipt.key, way)) return g / receipt.weight_sum;
-        return g / (receipt.weight_sum + g * tree_.inverse_prob(data, way));
+        const float sum = tree_.accepts(index, receipt.key, way)
+                              ? receipt.weight_sum
+                              : receipt.weight_sum + g * tree_.inverse_prob(index, way);
+        const bool alone = (group.child & LightBvhNode::kLight) != 0;
+        if (alone) return g / sum;
+        const double prob_of_group = static_cast<double>(g / sum);
+        return static_cast<float>(
+            kernels().means.prob_of_light(groups_.bvh, x, light, prob_of_group));
     }
 
     std::uint32_t set_count() const noexcept override { return tree_.ranges().set_count(); }
 
     SelectionCounts count(const ShadingPoint& point) const noexcept override {
-        return tree_.for_each_accepted(tree_.frame().position(point.position), Receiver(point),
-                                       point.set, [](const Accepted&) {});
+        return for_each_weighed(to_local(point), point.set,
+                                [](std::uint32_t, float, const Approach&) {});
     }
 
-    std::size_t memory_size() const noexcept override { return tree_.memory_size(); }
+    std::size_t memory_size() const noexcept override {
+        return groups_.memory_size() + tree_.memory_size();
+    }
 
   private:
+    LightBvhPoint to_local(const ShadingPoint& point) const noexcept {
+        return {frame_.position(point.position), Receiver(point)};
+    }
+
+    /// Calls visit(group, g, way) for every group that is accepted and may reach the point.
+    template <typename Visit>
+    SelectionCounts for_each_weighed(const LightBvhPoint& x, std::uint32_t set,
+                                     Visit&& visit) const noexcept {
+        SelectionCounts counts;
+        counts.nodes_visited = tree_.for_each_accepted(x, set, [&](std::uint32_t index) {
+            ++counts.lights_tested;
+            const LightGroup& group = groups_.groups[index];
+            const Approach way = approach(x.position, group.center);
+            const float g = importance(group, way, x);
+            if (!(g > 0.0f)) return;
+            ++counts.accepted;
+            visit(index, g, way);
+        });
+        return counts;
+    }
+
+    /// Puts a descent at the top of the group that was chosen, or at its end if none was.
+    void start(std::uint32_t group, float prob, float weight_sum, float u,
+               LightBvhDescent& descent) const noexcept {
+        if (weight_sum > 0.0f) {
+            descent.place = uniform_double(hash(float_bits(u), group));
+            descent.prob = static_cast<double>(prob);
+            descent.child = groups_.groups[group].child;
+        } else {
+            descent.prob = 0.0;
+            descent.child = LightBvhNode::kLight;
+        }
+    }
+
+    static Selection result(const LightBvhDescent& descent, const Receipt& receipt) noexcept {
+        if (!(descent.prob > 0.0)) return {0, 0.0f, receipt};
+        return {descent.child & ~LightBvhNode::kLight, static_cast<float>(descent.prob), receipt};
+    }
+
     /// As many of the points that `order` names as go into one packet; their number.
     std::size_t select_some(Span<const std::uint32_t> order, Span<const ShadingPoint> points,
                             Span<const float> u, Span<Selection> selections) const noexcept {
         const std::uint32_t set = points[order[0]].set;
         PacketBuilder builder(set);
-        const auto add = [&](std::uint32_t i) {
-            builder.add(points[i], tree_.frame().position(points[i].position), u[i]);
-        };
+        std::array<LightBvhDescent, PointPacket::kSize> descents;
         std::size_t count = 0;
         while (count < std::min(order.size(), PointPacket::kSize) &&
                points[order[count]].set == set) {
-            add(order[count++]);
+            const std::uint32_t i = order[count];
+            descents[count].point = to_local(points[i]);
+            builder.add(descents[count++].point, u[i]);
         }
-        while (builder.size() < PointPacket::kSize) add(order[0]);  // to fill it
-        PacketChoice choice{};
-        kernels().select_packet(tree_, builder.packet(), choice);
+        while (builder.size() < PointPacket::kSize) {
+            builder.add(descents[0].point, u[order[0]]);  // to fill it
+        }
+        PacketChoice packet{};
+        kernels().select_packet(tree_, groups_.groups.data(), builder.packet(), packet);
         for (std::size_t i = 0; i < count; ++i) {
-            const float sum = choice.weight_sum[i];
-            Selection& selection = selections[order[i]];
-            selection = {0, 0.0f, {sum, set}};
-            if (!(sum > 0.0f)) continue;
-            selection.light = tree_.to_light(choice.record[i]);
-            selection.prob = choice.numerator[i] / sum;
+            const float sum = packet.weight_sum[i];
+            start(packet.record[i], packet.numerator[i] / sum, sum, u[order[i]], descents[i]);
+        }
+        kernels().means.descend(groups_.bvh, {descents.data(), count});
+        for (std::size_t i = 0; i < count; ++i) {
+            selections[order[i]] = result(descents[i], {packet.weight_sum[i], set});
         }
         return count;
     }
 
-    CullingTree tree_;
+    Frame frame_;
+    LightGroups groups_;
+    RangeTree tree_;
 };
 
 }  // namespace
@@ -106,9 +166,14 @@ class CulledSampler final : public LightSampler {
 std::unique_ptr<LightSampler> make_culled_sampler(Span<const Light> lights,
                                                   const CulledOptions& options) {
     check_set_count(options.set_count);
+    if (options.group_size == 0u) throw Error("group is 0, wanted 1 or more");
     const LightTable table = make_light_table(lights);
-    const float reach = calibrate_reach(table, options.range, RangeLaw::kRandom);
-    return std::make_unique<CulledSampler>(table, RandomRanges(reach, options.set_count));
+    LightGroups groups = make_light_groups(
+        table, options.group_size.value_or(suitable_group_size(table.lit.size())));
+    const float reach =
+        calibrate_reach(ranged_scene(groups, table.frame), options.range, RangeLaw::kRandom);
+    return std::make_unique<CulledSampler>(table.frame, std::move(groups),
+                                           RandomRanges(reach, options.set_count));
 }
 
 }  // namespace lightcull

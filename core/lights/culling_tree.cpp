@@ -1,58 +1,25 @@
 #include "lights/culling_tree.h"
 
-#include <algorithm>
-
-#include "lights/kernels.h"
 #include "lights/memory_size.h"
-#include "lights/parallel_blocks.h"
+#include "lights/range_calibration.h"
 
 namespace lightcull {
-namespace {
-
-/// More than there are threads on most machines, so that all of them are kept busy.
-constexpr std::uint32_t kRefitParts = 64;
-
-}  // namespace
 
 CullingTree::CullingTree(const LightTable& table, const RandomRanges& ranges)
     : frame_(table.frame),
-      ranges_(ranges),
-      tree_(build_sphere_tree(table, ranges.reach())),
-      refit_order_(make_refit_order(tree_, kRefitParts)),
-      record_of_(table.records.size(), kNoRecord),
-      radii_(tree_.slot_count() * ranges.set_count()),
-      around_(tree_.nodes.size() * std::min(ranges.set_count(), Refit::kMaxSets)) {
-    for (std::size_t record = 0; record < tree_.lights.size(); ++record) {
-        record_of_[tree_.lights[record]] = static_cast<std::uint32_t>(record);
-    }
-}
-
-void CullingTree::begin_pass(std::uint64_t pass) {
-    ranges_.begin_pass(pass);
-    const std::uint32_t sets = ranges_.set_count(), together = std::min(sets, Refit::kMaxSets);
-    for (std::uint32_t set = 0; set < sets; set += together) refit(set, together);
-}
-
-void CullingTree::refit(std::uint32_t first_set, std::uint32_t set_count) {
-    const Refit job{tree_,
-                    ranges_,
-                    first_set,
-                    set_count,
-                    radii_.data() + first_set * tree_.slot_count(),
-                    around_.data()};
-    const auto refit_nodes = kernels().refit_nodes;
-    const std::vector<RefitOrder::Part>& parts = refit_order_.side_by_side;
-    for_each_block(parts.size(), 1, [&](std::size_t i, std::size_t) {
-        refit_nodes(job, parts[i].begin, parts[i].end);
-    });
-    for (const RefitOrder::Part& part : refit_order_.afterwards) {
-        refit_nodes(job, part.begin, part.end);
+      tree_(ranged_scene(table).lights, ranges),
+      record_of_(table.records.size(), kNoRecord) {
+    const std::vector<std::uint32_t>& order = tree_.tree().order;
+    for (std::uint32_t record = 0; record < order.size(); ++record) {
+        const std::uint32_t light = table.lit[order[record]];
+        records_.push_back(table.records[light]);
+        lights_.push_back(light);
+        record_of_[light] = record;
     }
 }
 
 std::size_t CullingTree::memory_size() const noexcept {
-    return size_of(tree_.nodes) + size_of(tree_.centers) + size_of(tree_.records) +
-           size_of(tree_.lights) + size_of(record_of_) + size_of(radii_) + size_of(around_);
+    return tree_.memory_size() + size_of(records_) + size_of(lights_) + size_of(record_of_);
 }
 
 }  // namespace lightcull

@@ -8,8 +8,9 @@
 
 namespace lightcull {
 
-class CullingTree;
+class RangeTree;
 struct FoundLeaves;
+struct LightGroup;
 struct Refit;
 struct SphereTree;
 struct TreeWalk;
@@ -18,13 +19,13 @@ struct TreeWalk;
 struct Kernels {
     /// Goes on with a walk until it is over (stack_size 0) or `found`, which is emptied first, is
     /// full. Vectorised across the slots of a node.
-    void (*find_leaves)(const SphereTree& tree, const float* radii, float3 x, float3 normal,
+    void (*find_leaves)(const SphereTree& tree, const float* radii, const LightBvhPoint& point,
                         TreeWalk& walk, FoundLeaves& found);
 
-    /// Weighs every light that is accepted at any of the points, in one walk of the tree; what goes
-    /// into `choice`, all 0 at first, is what one Reservoir after another would hold. Nodes are
-    /// tested against the box around the points, lights against each of them.
-    void (*select_packet)(const CullingTree& tree, const PointPacket& points, PacketChoice& choice);
+    /// Weighs every group that is accepted at any of the points, in one walk of the tree; what goes
+    /// into `choice`, all 0 at first, is what one Reservoir after another would hold.
+    void (*select_packet)(const RangeTree& tree, const LightGroup* groups,
+                          const PointPacket& points, PacketChoice& choice);
 
     /// The nodes [begin, end) of a refit, the last one first.
     void (*refit_nodes)(const Refit& refit, std::size_t begin, std::size_t end);

@@ -78,8 +78,11 @@ HWY_ATTR inline bool step(const LightBvh<Node>& bvh, LightBvhDescent& descent) {
 template <typename Node>
 HWY_ATTR void descend(const LightBvh<Node>& bvh, Span<LightBvhDescent> descents) {
     LightBvhDescent* under_way[kMaxDescents];
-    std::size_t count = descents.size();
-    for (std::size_t i = 0; i < count; ++i) under_way[i] = &descents[i];
+    std::size_t count = 0;
+    for (LightBvhDescent& descent : descents) {
+        if ((descent.child & LightBvhNode::kLight) != 0) continue;
+        under_way[count++] = &descent;
+    }
     while (count > 0) {
         std::size_t left = 0;
         for (std::size_t i = 0; i < count; ++i) {
@@ -92,7 +95,7 @@ HWY_ATTR void descend(const LightBvh<Node>& bvh, Span<LightBvhDescent> descents)
 
 template <typename Node>
 HWY_ATTR double prob_of_light(const LightBvh<Node>& bvh, const LightBvhPoint& point,
-                              std::uint32_t light) {
+                              std::uint32_t light, double prob) {
     LightBvhSlot path[LightBvh<Node>::kMaxDepth];
     std::size_t depth = 0;
     for (LightBvhSlot slot = bvh.slots[light]; slot != LightBvh<Node>::kNoSlot;
@@ -100,7 +103,6 @@ HWY_ATTR double prob_of_light(const LightBvh<Node>& bvh, const LightBvhPoint& po
         path[depth++] = slot;
     }
     if (depth == 0) return 0.0;
-    double prob = 1.0;
     while (depth-- > 0) {
         const Shares shares(bvh.nodes[path[depth] / kWidth], point);
         if (!(shares.total() > 0.0)) return 0.0;

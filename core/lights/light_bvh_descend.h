@@ -44,7 +44,7 @@ struct LightBvhPoint {
 /// A selection on its way from the root to a light.
 struct LightBvhDescent {
     LightBvhPoint point;
-    double place;             ///< [0, 1): where in the share of `child` the choice falls
+    double place = 0.0;       ///< [0, 1): where in the share of `child` the choice falls
     double prob = 1.0;        ///< of `child`; 0: none of its lights can reach the point
     std::uint32_t child = 0;  ///< as BoundsNode::child
 };
@@ -59,14 +59,14 @@ template <typename Node>
 struct LightBvhKernels {
     void (*importances)(const Node& node, const LightBvhPoint& point, float* result);
 
-    /// Takes each descent to a light, or to prob 0; at most kMaxDescents, and the tree is not
-    /// empty. Many cost less together than one after the other: one computes while others wait for
-    /// memory.
+    /// Takes each descent that is not at a light to one, or to prob 0; at most kMaxDescents. Many
+    /// cost less together than one after the other: one computes while others wait for memory.
     void (*descend)(const LightBvh<Node>& bvh, Span<LightBvhDescent> descents);
 
-    /// The probability of a light: to the bit what a descent that takes it finds.
+    /// The probability of a light: to the bit what a descent that takes it finds if it starts with
+    /// `prob`.
     double (*prob_of_light)(const LightBvh<Node>& bvh, const LightBvhPoint& point,
-                            std::uint32_t light);
+                            std::uint32_t light, double prob);
 };
 inline constexpr std::size_t kMaxDescents = 16;
 

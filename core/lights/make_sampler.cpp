@@ -48,8 +48,10 @@ class Description {
         return value;
     }
     template <typename Number>
-    void take_number(std::string_view key, Number& number) {
-        if (const auto value = take(key)) number = parse<Number>(key, *value);
+    bool take_number(std::string_view key, Number& number) {
+        const auto value = take(key);
+        if (value) number = parse<Number>(key, *value);
+        return value.has_value();
     }
     /// `chosen` becomes whether the value is `yes`, which or `no` it has to be.
     void take_choice(std::string_view key, std::string_view yes, std::string_view no,
@@ -102,6 +104,8 @@ std::unique_ptr<LightSampler> make_culled(Description& description, Span<const L
     take_range_options(description, context, options.range);
     options.set_count = suitable_set_count(lights.size(), context.points_per_pass);
     description.take_number("sets", options.set_count);
+    std::uint32_t group_size = 0;
+    if (description.take_number("group", group_size)) options.group_size = group_size;
     description.check_all_taken();
     return make_culled_sampler(lights, options);
 }

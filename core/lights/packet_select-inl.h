@@ -9,10 +9,13 @@
 #include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
+#include <algorithm>
 #include <cassert>
+#include <cmath>
 
-#include "lights/culling_tree.h"
+#include "lights/light_groups.h"
 #include "lights/packet_select.h"
+#include "lights/range_tree.h"
 #include "lights/reservoir.h"
 #include "lights/sphere_tree_walk-inl.h"
 
@@ -22,7 +25,7 @@ namespace HWY_NAMESPACE {
 namespace packet {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Everything here repeats ranges.h, importance.h and reservoir.h, operation by operation.
+// Everything here repeats ranges.h, light_groups.cpp and reservoir.h, operation by operation.
 
 using Tag = hn::CappedTag<float, PointPacket::kSize>;
 using Vec = hn::Vec<Tag>;
@@ -34,10 +37,6 @@ HWY_ATTR inline Vec constant(float value) {
 HWY_ATTR inline Vec dot(Vec ax, Vec ay, Vec az, Vec bx, Vec by, Vec bz) {
     return hn::Add(hn::Add(hn::Mul(ax, bx), hn::Mul(ay, by)), hn::Mul(az, bz));
 }
-HWY_ATTR inline Vec sine_of(Vec cosine) {
-    return hn::Sqrt(hn::Max(constant(0.0f), hn::Sub(constant(1.0f), hn::Mul(cosine, cosine))));
-}
-
 /// The way from each of a vector of points to a light.
 struct Ways {
     Vec x, y, z, distance2;
@@ -55,108 +54,71 @@ struct Ways {
     }
 };
 
-/// emitter_bound(), and 1 within the sphere.
-HWY_ATTR HWY_NOINLINE inline Vec emitter_bounds(const LightRecord& light, const Ways& ways) {
-    const Vec zero = constant(0.0f), one = constant(1.0f);
-    const Vec distance = hn::Sqrt(ways.distance2);
-    const Vec inverse = hn::IfThenElseZero(hn::Gt(distance, zero), hn::Div(one, distance));
-    const float3 axis = axis_of(light);
-    const Vec along =
-        dot(constant(axis.x), constant(axis.y), constant(axis.z), hn::Mul(ways.x, inverse),
-            hn::Mul(ways.y, inverse), hn::Mul(ways.z, inverse));
-    Vec cosine = hn::Min(hn::Max(hn::Neg(along), constant(-1.0f)), one);
-    if (light.two_sided != 0) cosine = hn::Abs(cosine);
-
-    const Angle theta_o =
-        Angle::from_cosine(static_cast<float>(light.cos_theta_o) * LightRecord::kSnorm);
-    const Vec o_sine = constant(theta_o.sine), o_cosine = constant(theta_o.cosine);
-    const Vec sine = sine_of(cosine);
-    const auto in_cone = hn::Ge(cosine, o_cosine);
-    const Vec normal_sine =
-        hn::IfThenZeroElse(in_cone, hn::Sub(hn::Mul(sine, o_cosine), hn::Mul(cosine, o_sine)));
-    const Vec normal_cosine =
-        hn::IfThenElse(in_cone, one, hn::Add(hn::Mul(cosine, o_cosine), hn::Mul(sine, o_sine)));
-
-    const Vec view_sine = hn::Div(constant(light.radius), distance);
-    const Vec view_cosine = sine_of(view_sine);
-    const Vec best = hn::IfThenElse(
-        hn::Ge(normal_cosine, view_cosine), one,
-        hn::Add(hn::Mul(normal_cosine, view_cosine), hn::Mul(normal_sine, view_sine)));
-    const Vec cos_theta_e = constant(static_cast<float>(light.cos_theta_e) * LightRecord::kSnorm);
-    const Vec outside = hn::IfThenElseZero(hn::Gt(best, cos_theta_e), best);
-    return hn::IfThenElse(hn::Gt(distance, constant(light.radius)), outside, one);
+/// c + sqrt(c^2 + q).
+HWY_ATTR inline Vec softened(Vec c, Vec q) {
+    return hn::Add(c, hn::Sqrt(hn::Add(hn::Mul(c, c), q)));
 }
 
-/// diffuse * received + mean_of_lobe(), where there is a lobe.
+/// Of a two-sided group the larger one of c and -c, else -c.
+HWY_ATTR inline Vec one_or_both(Vec c, bool two_sided) {
+    return two_sided ? hn::Max(hn::Neg(c), c) : hn::Neg(c);
+}
+
+/// What `received` becomes with the receivers' lobes.
 HWY_ATTR HWY_NOINLINE inline Vec with_lobes(const PointPacket& points, std::size_t i,
-                                            const Ways& ways, Vec inverse, Vec spread,
+                                            const Ways& ways, Vec mean_distance2, Vec spread,
                                             Vec received) {
     const Tag d;
-    const Vec cosine =
-        hn::Mul(ways.dot_with(points.lobe_x + i, points.lobe_y + i, points.lobe_z + i), inverse);
+    const Vec one = constant(1.0f), half = constant(0.5f);
+    const Vec root = hn::Sqrt(mean_distance2);
+    const Vec inverse_root = hn::Div(one, root);
+    const Vec cosine = hn::Mul(
+        ways.dot_with(points.lobe_x + i, points.lobe_y + i, points.lobe_z + i), inverse_root);
     const Vec alpha2 = hn::Load(d, points.alpha2 + i), peak = hn::Load(d, points.peak + i);
-    const Vec angular_spread = hn::Mul(hn::Mul(spread, inverse), inverse);
+    const Vec angular_spread = hn::Mul(hn::Mul(spread, inverse_root), inverse_root);
     const Vec width = hn::Add(alpha2, hn::Mul(constant(0.25f), angular_spread));
-    const Vec inverse_sum = hn::Div(
-        constant(1.0f), hn::Add(width, hn::Mul(constant(0.5f), hn::Sub(constant(1.0f), cosine))));
+    const Vec inverse_sum = hn::Div(one, hn::Add(width, hn::Mul(half, hn::Sub(one, cosine))));
     const Vec lobe =
         hn::Mul(hn::Mul(hn::Mul(hn::Mul(peak, alpha2), width), inverse_sum), inverse_sum);
-    const Vec both = hn::Add(hn::Mul(hn::Load(d, points.diffuse + i), received), lobe);
+    const Vec diffuse =
+        hn::Mul(hn::Load(d, points.diffuse + i), hn::Mul(hn::Mul(half, received), inverse_root));
+    const Vec both = hn::Mul(hn::Add(root, root), hn::Add(diffuse, lobe));
     return hn::IfThenElse(hn::Gt(peak, constant(0.0f)), both, received);
 }
 
-HWY_ATTR inline Vec mean_distance2(const LightRecord& light, const Ways& ways) {
-    const float spread = kSpread * light.radius * light.radius;
-    return hn::Max(hn::Add(ways.distance2, constant(spread)), constant(kMinDistance2));
+/// The gates of importance(): where any of the group may reach the points.
+HWY_ATTR inline hn::Mask<Tag> may_reach(const LightGroup& group, const PointPacket& points,
+                                        std::size_t i, const Ways& ways, Vec height) {
+    const Vec along = one_or_both(ways.dot_with(group.axis), std::signbit(group.diffuse));
+    const Vec apex = constant(group.apex);
+    const Vec from_apex = hn::Add(along, apex);
+    const Vec from_apex2 = hn::Add(ways.distance2, hn::Mul(apex, hn::Add(along, from_apex)));
+    const auto inside =
+        hn::Ge(hn::Mul(from_apex, hn::Abs(from_apex)), hn::Mul(constant(group.cosine), from_apex2));
+    const auto above =
+        hn::Gt(hn::Add(height, constant(group.radius)), hn::Load(Tag(), points.horizon + i));
+    return hn::And(above, inside);
 }
 
-/// Where importance() may be above 0: neither below the receiver's horizon nor surely behind the
-/// light. Most lights that are no use to a packet are found out here.
-HWY_ATTR inline hn::Mask<Tag> may_matter(const LightRecord& light, const PointPacket& points,
-                                         std::size_t i, const Ways& ways) {
-    const Vec height =
-        hn::Add(ways.dot_with(points.normal_x + i, points.normal_y + i, points.normal_z + i),
-                hn::Load(Tag(), points.no_normal + i));
-    const auto above = hn::Gt(hn::Add(height, constant(light.radius)), constant(0.0f));
-    if (light.cos_theta_o != LightRecord::kFlat || light.two_sided != 0) return above;
-    // emitted_height * inverse + kAxisRounding <= 0, without a root.
-    constexpr float kSurely = 1.01f * kAxisRounding * kAxisRounding;
-    const Vec sunk = ways.dot_with(axis_of(light));
-    const auto behind = hn::Gt(hn::Mul(sunk, hn::Max(sunk, constant(0.0f))),
-                               hn::Mul(constant(kSurely), mean_distance2(light, ways)));
-    return hn::AndNot(behind, above);
-}
-
-/// importance().
-HWY_ATTR inline Vec importances(const LightRecord& light, const PointPacket& points, std::size_t i,
-                                const Ways& ways) {
-    const Vec zero = constant(0.0f), one = constant(1.0f);
-    const float spread = kSpread * light.radius * light.radius;
-    const Vec inverse = hn::Div(one, hn::Sqrt(mean_distance2(light, ways)));
-
-    const Vec height = ways.dot_with(points.normal_x + i, points.normal_y + i, points.normal_z + i);
-    const Vec root = hn::Sqrt(hn::Add(hn::Mul(height, height), constant(kHeightSpread * spread)));
-    const Vec mean_height = hn::Mul(constant(0.5f), hn::Add(height, root));
-    // Both are 1 or 0: whether the normal is 0, and so is not.
-    const Vec no_normal = hn::Load(Tag(), points.no_normal + i);
-    Vec received = hn::IfThenElse(hn::Gt(no_normal, zero), one, hn::Mul(mean_height, inverse));
+/// importance() behind its gates.
+HWY_ATTR inline Vec importances(const LightGroup& group, const PointPacket& points, std::size_t i,
+                                const Ways& ways, Vec height) {
+    const float signed_spread = group.spread;
+    const Vec spread = constant(std::abs(signed_spread));
+    const Vec mean_distance2 = hn::Add(ways.distance2, spread);
+    Vec received = softened(
+        height,
+        hn::Add(spread, hn::Mul(hn::Load(Tag(), points.from_all_sides + i), mean_distance2)));
     if (points.has_lobes) {
-        received = with_lobes(points, i, ways, inverse, constant(spread), received);
+        received = with_lobes(points, i, ways, mean_distance2, spread, received);
     }
-    const auto below = hn::Le(hn::Add(hn::Add(height, no_normal), constant(light.radius)), zero);
-    received = hn::IfThenZeroElse(below, received);
-
-    Vec emitter;
-    if (light.cos_theta_o == LightRecord::kFlat) {
-        Vec emitted_height = hn::Neg(ways.dot_with(axis_of(light)));
-        if (light.two_sided != 0) emitted_height = hn::Abs(emitted_height);
-        emitter = hn::Min(hn::Add(hn::Mul(emitted_height, inverse), constant(kAxisRounding)), one);
-    } else {
-        emitter = emitter_bounds(light, ways);
-    }
-    const Vec product = hn::Mul(
-        hn::Mul(hn::Mul(hn::Mul(constant(light.intensity), inverse), inverse), received), emitter);
-    return hn::IfThenElseZero(hn::Gt(emitter, zero), product);
+    const Vec facing = one_or_both(ways.dot_with(group.mean_normal), std::signbit(group.diffuse));
+    const Vec emitted =
+        softened(facing, hn::Add(constant(std::max(signed_spread, 0.0f)),
+                                 hn::Mul(constant(std::abs(group.diffuse)), mean_distance2)));
+    const Vec inverse = hn::Div(constant(1.0f), mean_distance2);
+    return hn::Mul(hn::Mul(constant(group.intensity), hn::Mul(received, inverse)),
+                   hn::Mul(emitted, inverse));
 }
 
 /// The random numbers of Reservoir::add().
@@ -174,24 +136,25 @@ HWY_ATTR inline Vec random_numbers(const PointPacket& points, std::size_t i, std
     return hn::Min(hn::Mul(number, constant(0x1p-32f)), constant(Reservoir::kBelowOne));
 }
 
-/// Adds a light to the reservoirs of those points that are within its sphere.
-HWY_ATTR inline void weigh(const CullingTree& tree, const PointPacket& points, std::uint32_t record,
-                           float sphere_radius, PacketChoice& choice) {
-    const LightRecord& light = tree.record(record);
+/// Adds a group to the reservoirs of those points that are within its sphere.
+HWY_ATTR inline void weigh(const RangeTree& tree, const LightGroup& group, std::uint32_t record,
+                           float sphere_radius, const PointPacket& points, PacketChoice& choice) {
     const Vec limit2 = constant(sphere_radius * sphere_radius);
-    const float inverse_limit = 1.0f / tree.ranges().limit(light.intensity);
+    const Vec inverse_limit = constant(1.0f / tree.ranges().limit(group.intensity));
     for (std::size_t i = 0; i < PointPacket::kSize; i += hn::Lanes(Tag())) {
-        const Ways ways(points, i, light.center);
+        const Ways ways(points, i, group.center);
+        const Vec height =
+            ways.dot_with(points.normal_x + i, points.normal_y + i, points.normal_z + i);
         const auto in_range =
-            hn::And(hn::Le(ways.distance2, limit2), may_matter(light, points, i, ways));
+            hn::And(hn::Le(ways.distance2, limit2), may_reach(group, points, i, ways, height));
         if (hn::AllFalse(Tag(), in_range)) continue;
-        const Vec g = importances(light, points, i, ways);
+        const Vec g = importances(group, points, i, ways, height);
         const auto accepted = hn::And(in_range, hn::Gt(g, constant(0.0f)));
 
         const Vec distance =
-            hn::Max(hn::Sub(hn::Sqrt(ways.distance2), constant(light.radius)), constant(0.0f));
+            hn::Max(hn::Sub(hn::Sqrt(ways.distance2), constant(group.radius)), constant(0.0f));
         const Vec inverse_prob =
-            hn::Max(hn::Mul(hn::Mul(distance, distance), constant(inverse_limit)), constant(1.0f));
+            hn::Max(hn::Mul(hn::Mul(distance, distance), inverse_limit), constant(1.0f));
         const Vec weight = hn::IfThenElseZero(accepted, hn::Mul(g, inverse_prob));
         const Vec sum = hn::Add(hn::Load(Tag(), choice.weight_sum + i), weight);
         hn::Store(sum, Tag(), choice.weight_sum + i);
@@ -239,39 +202,38 @@ HWY_ATTR inline bool concerns_any(const PointPacket& points, const SphereNode& n
         const Ways ways(points, i, node.center(slot));
         const Vec height =
             ways.dot_with(points.normal_x + i, points.normal_y + i, points.normal_z + i);
-        const Vec top = hn::Add(hn::Add(height, hn::Load(Tag(), points.no_normal + i)), bounds);
-        const auto above =
-            hn::Ge(hn::Mul(top, hn::Abs(top)), hn::Mul(ways.distance2, constant(kHorizonRounding)));
+        const Vec horizon = hn::Load(Tag(), points.horizon + i);
+        const auto above = hn::Gt(hn::Add(height, bounds), hn::Add(horizon, horizon));
         if (!hn::AllFalse(Tag(), hn::And(hn::Le(ways.distance2, limit), above))) return true;
     }
     return false;
 }
 
-/// Lights that are to be weighed once their records have come from memory.
+/// Groups that are to be weighed once they have come from memory.
 struct Waiting {
     std::uint32_t records[SphereNode::kWidth];
     float radii[SphereNode::kWidth];
     std::uint32_t count = 0;
 };
 
-HWY_ATTR inline void weigh_all(const CullingTree& culling, const PointPacket& points,
-                               Waiting& waiting, PacketChoice& choice) {
-    for (std::uint32_t i = 0; i < waiting.count; ++i) {
-        weigh(culling, points, waiting.records[i], waiting.radii[i], choice);
-    }
-    waiting.count = 0;
-}
-
-HWY_ATTR inline void select_packet(const CullingTree& culling, const PointPacket& points,
-                                   PacketChoice& choice) {
-    const SphereTree& tree = culling.tree();
-    const float* radii = culling.radii(points.set);
+HWY_ATTR inline void select_packet(const RangeTree& ranged, const LightGroup* groups,
+                                   const PointPacket& points, PacketChoice& choice) {
+    const SphereTree& tree = ranged.tree();
+    const float* radii = ranged.radii(points.set);
     constexpr std::size_t kWidth = SphereNode::kWidth;
     std::uint32_t stack[TreeWalk::kStackSize];
     std::uint32_t stack_size = 0;
     if (!tree.empty()) stack[stack_size++] = 0;
+    // What one node adds is weighed after the next is read.
     Waiting lists[2];
     std::uint32_t parity = 0;
+    const auto weigh_all = [&](Waiting& waiting) HWY_ATTR {
+        for (std::uint32_t i = 0; i < waiting.count; ++i) {
+            const std::uint32_t record = waiting.records[i];
+            weigh(ranged, groups[record], record, waiting.radii[i], points, choice);
+        }
+        waiting.count = 0;
+    };
     while (stack_size > 0) {
         const std::uint32_t n = stack[--stack_size];
         const SphereNode& node = tree.nodes[n];
@@ -281,13 +243,12 @@ HWY_ATTR inline void select_packet(const CullingTree& culling, const PointPacket
         assert(stack_size + kWidth <= TreeWalk::kStackSize);
         for (std::uint32_t bits = slots_near(node, node_radii, points); bits != 0;
              bits &= bits - 1) {
-            const std::uint32_t slot =
-                static_cast<std::uint32_t>(hwy::Num0BitsBelowLS1Bit_Nonzero32(bits));
+            const auto slot = static_cast<std::uint32_t>(hwy::Num0BitsBelowLS1Bit_Nonzero32(bits));
             if (!concerns_any(points, node, slot, node_radii[slot])) continue;
             const std::uint32_t link = node.link[slot];
             if ((link & SphereNode::kLeaf) != 0) {
                 const std::uint32_t record = link & ~SphereNode::kLeaf;
-                hwy::Prefetch(&culling.record(record));
+                hwy::Prefetch(groups + record);
                 found.records[found.count] = record;
                 found.radii[found.count++] = node_radii[slot];
                 continue;
@@ -295,9 +256,9 @@ HWY_ATTR inline void select_packet(const CullingTree& culling, const PointPacket
             walk::prefetch(tree.nodes[link], radii + link * kWidth);
             stack[stack_size++] = link;
         }
-        weigh_all(culling, points, lists[parity], choice);
+        weigh_all(lists[parity]);
     }
-    weigh_all(culling, points, lists[parity ^ 1], choice);
+    weigh_all(lists[parity ^ 1]);
 }
 
 }  // namespace packet

@@ -1,23 +1,21 @@
 #pragma once
 
-#include <lightcull/light_sampler.h>
-
 #include <cstddef>
 #include <cstdint>
 
 #include "base/float3_math.h"
-#include "lights/importance.h"
+#include "lights/light_bvh_descend.h"
 #include "lights/refine.h"
 
 namespace lightcull {
 
-/// Sixteen points of one set side by side, in the units of the tree's frame.
+/// Sixteen points of one set side by side, as LightBvhPoint has them.
 struct alignas(64) PointPacket {
     static constexpr std::size_t kSize = 16;
 
     float x[kSize], y[kSize], z[kSize];
     float normal_x[kSize], normal_y[kSize], normal_z[kSize];
-    float no_normal[kSize];  ///< 1 where the normal is 0, else 0
+    float from_all_sides[kSize], horizon[kSize];
     std::uint32_t u_bits[kSize];
     // Of the receivers' glossy lobes; not read unless there are any.
     float diffuse[kSize];
@@ -37,22 +35,22 @@ class PacketBuilder {
         packet_.has_lobes = false;
     }
 
-    /// x: the position in units of the tree's frame. At most PointPacket::kSize times.
-    void add(const ShadingPoint& point, float3 x, float u) noexcept {
+    /// At most PointPacket::kSize times.
+    void add(const LightBvhPoint& point, float u) noexcept {
         const std::size_t i = size_++;
-        const float3 n = point.normal;
+        const float3 x = point.position, n = point.normal;
         packet_.x[i] = x.x, packet_.y[i] = x.y, packet_.z[i] = x.z;
         packet_.low = i == 0 ? x : min(packet_.low, x);
         packet_.high = i == 0 ? x : max(packet_.high, x);
         packet_.normal_x[i] = n.x, packet_.normal_y[i] = n.y, packet_.normal_z[i] = n.z;
-        packet_.no_normal[i] = n.x == 0.0f && n.y == 0.0f && n.z == 0.0f ? 1.0f : 0.0f;
+        packet_.from_all_sides[i] = point.from_all_sides;
+        packet_.horizon[i] = point.horizon;
         packet_.u_bits[i] = float_bits(u);
-        const Receiver receiver(point);
-        packet_.has_lobes |= receiver.peak > 0.0f;
-        packet_.diffuse[i] = receiver.diffuse;
-        packet_.lobe_x[i] = receiver.axis.x, packet_.lobe_y[i] = receiver.axis.y;
-        packet_.lobe_z[i] = receiver.axis.z;
-        packet_.alpha2[i] = receiver.alpha2, packet_.peak[i] = receiver.peak;
+        packet_.has_lobes |= point.peak > 0.0f;
+        packet_.diffuse[i] = point.diffuse;
+        packet_.lobe_x[i] = point.axis.x, packet_.lobe_y[i] = point.axis.y;
+        packet_.lobe_z[i] = point.axis.z;
+        packet_.alpha2[i] = point.alpha2, packet_.peak[i] = point.peak;
     }
 
     std::size_t size() const noexcept { return size_; }

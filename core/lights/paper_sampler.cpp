@@ -79,9 +79,9 @@ class PaperSampler final : public LightSampler {
         if (prob_is_proxy()) return data.intensity / intensity_sum_;
         const Approach way = approach(tree_.frame().position(point.position), data.center);
         const Accepted as_if{record, importance(data, way, Receiver(point)),
-                             tree_.inverse_prob(data, way)};
+                             tree_.tree().inverse_prob(record, way)};
         if (!(as_if.importance > 0.0f)) return 0.0f;
-        const bool accepted = tree_.accepts(record, receipt.key, way);
+        const bool accepted = tree_.tree().accepts(record, receipt.key, way);
         const float sum = receipt.weight_sum + (accepted ? 0.0f : weight(as_if));
         return numerator(as_if) / sum;
     }
@@ -163,7 +163,7 @@ std::unique_ptr<LightSampler> make_paper_sampler(Span<const Light> lights,
                     std::to_string(kMaxListSize));
     }
     const LightTable table = make_light_table(lights);
-    const float reach = calibrate_reach(table, options.range, RangeLaw::kRandom);
+    const float reach = calibrate_reach(ranged_scene(table), options.range, RangeLaw::kRandom);
     return std::make_unique<PaperSampler>(table, reach, options);
 }
 

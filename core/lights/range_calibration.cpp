@@ -43,61 +43,61 @@ void check(const RangeOptions& options) {
 }
 
 /// [TH16] Eq. 7, or appendix A, for the given epsilon_max.
-double reach_of_error_bound(const LightTable& table, const RangeOptions& options, RangeLaw law) {
+double reach_of_error_bound(const RangedScene& scene, const RangeOptions& options, RangeLaw law) {
     const double error_bound = *options.error_bound, exposure = options.exposure;
     const double metres2 =
         law == RangeLaw::kRandom
             ? exposure / (2.0 * kPi * error_bound)
-            : exposure * static_cast<double>(table.lit.size()) / (kPi * error_bound);
-    const double scale = table.frame.inv_scale;
-    return metres2 * table.frame.intensity * scale * scale;
+            : exposure * static_cast<double>(scene.lights.size()) / (kPi * error_bound);
+    const double scale = scene.frame.inv_scale;
+    return metres2 * scene.frame.intensity * scale * scale;
 }
 
-/// Every light of a small table; a random sample of a large one.
-std::vector<std::uint32_t> sample_lights(const LightTable& table) {
-    const std::size_t n = table.lit.size();
-    if (n <= kSampledLights) return table.lit;
-    std::vector<std::uint32_t> sample(kSampledLights);
-    for (std::size_t i = 0; i < kSampledLights; ++i) {
+/// Of many lights a random sample.
+std::vector<std::size_t> sample_lights(std::size_t n) {
+    std::vector<std::size_t> sample(std::min(n, kSampledLights));
+    for (std::size_t i = 0; i < sample.size(); ++i) {
         // One of each stratum: neighbours in the array are often neighbours in space.
-        const std::size_t begin = i * n / kSampledLights, end = (i + 1) * n / kSampledLights;
-        sample[i] = table.lit[begin + hash(i, 1) % (end - begin)];
+        const std::size_t begin = i * n / sample.size(), end = (i + 1) * n / sample.size();
+        sample[i] = begin + hash(i, 1) % (end - begin);
     }
     return sample;
 }
 
-std::vector<ShadingPoint> points_or_drawn(const LightTable& table, const RangeOptions& options) {
-    std::vector<ShadingPoint> points(options.calibration_points.begin(),
-                                     options.calibration_points.end());
-    for (ShadingPoint& point : points) point.position = table.frame.position(point.position);
+/// The caller's points, or some inside the bounds of the lights.
+std::vector<LightBvhPoint> points_or_drawn(const RangedScene& scene, const RangeOptions& options) {
+    std::vector<LightBvhPoint> points;
+    for (const ShadingPoint& point : options.calibration_points) {
+        points.emplace_back(scene.frame.position(point.position), Receiver(point));
+    }
     if (!points.empty()) return points;
-    float3 low = table.records[table.lit[0]].center, high = low;
-    for (const std::uint32_t i : table.lit) {
-        low = min(low, table.records[i].center);
-        high = max(high, table.records[i].center);
+    float3 low = scene.lights[0].center, high = low;
+    for (const RangedLight& light : scene.lights) {
+        low = min(low, light.center);
+        high = max(high, light.center);
     }
     RandomStream random(hash(2, 3));
     const float3 extent = high - low;
     for (std::size_t i = 0; i < kDrawnPoints; ++i) {
         const float x = random.next(), y = random.next(), z = random.next();
-        points.push_back({low + float3{extent.x * x, extent.y * y, extent.z * z}, {0, 0, 0}});
+        points.emplace_back(low + float3{extent.x * x, extent.y * y, extent.z * z},
+                            Receiver(float3{0, 0, 0}));
     }
     return points;
 }
 
 /// Distance to the bounding sphere, squared, over intensity, of all pairs of a point and a sampled
 /// light that can reach it: the reach at which p_i becomes 1. Ascending.
-std::vector<float> sorted_thresholds(const LightTable& table,
-                                     const std::vector<std::uint32_t>& lights,
-                                     const std::vector<ShadingPoint>& points) {
+std::vector<float> sorted_thresholds(const RangedScene& scene,
+                                     const std::vector<std::size_t>& sample,
+                                     const std::vector<LightBvhPoint>& points) {
     std::vector<float> thresholds;
-    thresholds.reserve(lights.size() * points.size());
-    for (const ShadingPoint& point : points) {
-        for (const std::uint32_t i : lights) {
-            const LightRecord& light = table.records[i];
-            const Approach way = approach(point.position, light.center);
-            if (!(importance(light, way, Receiver(point)) > 0.0f)) continue;
-            const float distance = distance_to_sphere(way.distance, light);
+    thresholds.reserve(sample.size() * points.size());
+    for (const LightBvhPoint& point : points) {
+        for (const std::size_t i : sample) {
+            if (!scene.reaches(i, point)) continue;
+            const RangedLight& light = scene.lights[i];
+            const float distance = light.distance(approach(point.position, light.center));
             thresholds.push_back(distance * distance / light.intensity);
         }
     }
@@ -127,13 +127,20 @@ class ExpectedCount {
     std::vector<double> inverse_sums_;
 };
 
-double reach_of_expected_count(const LightTable& table, const RangeOptions& options, RangeLaw law) {
-    const std::vector<std::uint32_t> lights = sample_lights(table);
-    const std::vector<ShadingPoint> points = points_or_drawn(table, options);
-    std::vector<float> thresholds = sorted_thresholds(table, lights, points);
-    const double wanted = static_cast<double>(options.expected_accepted) *
-                          static_cast<double>(points.size()) * static_cast<double>(lights.size()) /
-                          static_cast<double>(table.lit.size());
+double reach_of_expected_count(const RangedScene& scene, const RangeOptions& options,
+                               RangeLaw law) {
+    const std::vector<std::size_t> sample = sample_lights(scene.lights.size());
+    const std::vector<LightBvhPoint> points = points_or_drawn(scene, options);
+    std::vector<float> thresholds = sorted_thresholds(scene, sample, points);
+    const double per_point = static_cast<double>(points.size()) *
+                             static_cast<double>(sample.size()) /
+                             static_cast<double>(scene.lights.size());
+    // Lights that a point lies in are accepted whatever the reach; half of what is wanted is left
+    // for the others at least.
+    const auto always = static_cast<double>(
+        std::upper_bound(thresholds.begin(), thresholds.end(), 0.0f) - thresholds.begin());
+    const double expected = static_cast<double>(options.expected_accepted) * per_point;
+    const double wanted = std::max(expected, always + 0.5 * expected);
     // Fewer lights than wanted: reach them all.
     if (static_cast<double>(thresholds.size()) <= wanted) return kGreatestReach;
     const ExpectedCount count(std::move(thresholds), law);
@@ -147,11 +154,31 @@ double reach_of_expected_count(const LightTable& table, const RangeOptions& opti
 
 }  // namespace
 
-float calibrate_reach(const LightTable& table, const RangeOptions& options, RangeLaw law) {
+RangedScene ranged_scene(const LightTable& table) {
+    RangedScene scene{table.frame, {}, [&table](std::size_t i, const LightBvhPoint& point) {
+                          const LightRecord& light = table.records[table.lit[i]];
+                          const Approach way = approach(point.position, light.center);
+                          return importance(light, way, Receiver(point.normal)) > 0.0f;
+                      }};
+    for (const std::uint32_t i : table.lit) {
+        const LightRecord& light = table.records[i];
+        scene.lights.push_back({light.center, light.radius, light.intensity});
+    }
+    return scene;
+}
+
+RangedScene ranged_scene(const LightGroups& groups, const Frame& frame) {
+    return {frame, groups.ranged(), [&groups](std::size_t i, const LightBvhPoint& point) {
+                const LightGroup& group = groups.groups[i];
+                return importance(group, approach(point.position, group.center), point) > 0.0f;
+            }};
+}
+
+float calibrate_reach(const RangedScene& scene, const RangeOptions& options, RangeLaw law) {
     check(options);
-    if (table.lit.empty()) return 1.0f;
-    return clamp_reach(options.error_bound ? reach_of_error_bound(table, options, law)
-                                           : reach_of_expected_count(table, options, law));
+    if (scene.lights.empty()) return 1.0f;
+    return clamp_reach(options.error_bound ? reach_of_error_bound(scene, options, law)
+                                           : reach_of_expected_count(scene, options, law));
 }
 
 }  // namespace lightcull

@@ -2,15 +2,32 @@
 
 #include <lightcull/samplers.h>
 
+#include <cstddef>
+#include <functional>
+#include <vector>
+
+#include "lights/light_groups.h"
 #include "lights/light_record.h"
 #include "lights/ranges.h"
 
 namespace lightcull {
 
-/// The factor by which a light's intensity is to be multiplied for the square of its range at
-/// xi = 1, in the units of the table: 1 / alpha_i is reach * intensity. From options.error_bound,
-/// or by bisection for options.expected_accepted lights of importance above 0 per point.
-/// Throws Error for options that make no sense.
-float calibrate_reach(const LightTable& table, const RangeOptions& options, RangeLaw law);
+/// What ranges are found for: lights, or groups of lights that share one.
+struct RangedScene {
+    const Frame& frame;
+    std::vector<RangedLight> lights;  ///< of intensity above 0
+    /// Whether anything of an element of `lights` can reach a point.
+    std::function<bool(std::size_t, const LightBvhPoint&)> reaches;
+};
+
+/// What it refers to must outlive it.
+RangedScene ranged_scene(const LightTable& table);
+RangedScene ranged_scene(const LightGroups& groups, const Frame& frame);
+
+/// The factor by which an intensity is to be multiplied for the square of its range at xi = 1, in
+/// the units of the frame: 1 / alpha_i is reach * intensity. From options.error_bound, or by
+/// bisection for options.expected_accepted of them per point, of those that can reach it. Throws
+/// Error for options that make no sense.
+float calibrate_reach(const RangedScene& scene, const RangeOptions& options, RangeLaw law);
 
 }  // namespace lightcull

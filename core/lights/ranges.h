@@ -13,6 +13,18 @@
 
 namespace lightcull {
 
+/// A light, or lights that share a range, as ranges see them: units of a LightTable.
+struct RangedLight {
+    float3 center;
+    float radius;     ///< of a sphere that holds it
+    float intensity;  ///< of all of it
+
+    /// From a point to that sphere; 0 inside.
+    float distance(const Approach& way) const noexcept {
+        return std::max(way.distance - radius, 0.0f);
+    }
+};
+
 /// What a light's range depends on.
 enum class RangeLaw {
     kRandom,    ///< [TH16] Eq. 3
@@ -69,6 +81,13 @@ class RandomRanges {
         return std::max(reach_ * intensity, kLeastLimit);
     }
 
+    /// Whether p_i > xi_i for the range that xi_i gives. The sphere tree tests its leaves by the
+    /// same arithmetic.
+    bool accepts(const RangedLight& light, const Approach& way, float xi) const noexcept {
+        const float radius = range(light.intensity, xi) + light.radius;
+        return way.distance2 <= radius * radius;
+    }
+
     /// 1 / p_i at a distance from the bounding sphere, 0 inside: [TH16] Eq. 1.
     float inverse_prob(float intensity, float distance) const noexcept {
         return std::max(distance * distance * (1.0f / limit(intensity)), 1.0f);
@@ -98,17 +117,5 @@ class RandomRanges {
     std::uint32_t key_low_ = 0, key_high_ = 0;
     std::vector<std::uint32_t> ranks_;  ///< by set, as a fraction of 2^32
 };
-
-/// Whether a point is within `range` of a light's bounding sphere: p_i > xi_i for the range of
-/// xi_i. The sphere tree tests its leaves by the same arithmetic.
-inline bool is_within(const Approach& way, const LightRecord& light, float range) noexcept {
-    const float radius = range + light.radius;
-    return way.distance2 <= radius * radius;
-}
-
-/// From a point to a light's bounding sphere; 0 inside.
-inline float distance_to_sphere(float distance_to_center, const LightRecord& light) noexcept {
-    return std::max(distance_to_center - light.radius, 0.0f);
-}
 
 }  // namespace lightcull

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "lights/light_record.h"
+#include "lights/ranges.h"
 
 namespace lightcull {
 
@@ -35,13 +35,13 @@ static_assert(offsetof(SphereNode, y) == 32 && offsetof(SphereNode, z) == 64 &&
 /// Radius of an empty slot: no point is within it.
 inline constexpr float kNoRadius = -1.0f;
 
-/// The topology of a sphere tree over light records, one light to a leaf: built once, the same for
-/// all sets and passes. Parents come before their children.
+/// The topology of a sphere tree over lights, or groups of them, one to a leaf: built once, the
+/// same for all sets and passes. Parents come before their children.
 struct SphereTree {
     std::vector<SphereNode> nodes;
-    std::vector<float3> centers;        ///< by node: of the slot above
-    std::vector<LightRecord> records;   ///< in the order of the leaves
-    std::vector<std::uint32_t> lights;  ///< by record: index in the caller's array
+    std::vector<float3> centers;       ///< by node: of the slot above
+    std::vector<RangedLight> records;  ///< in the order of the leaves
+    std::vector<std::uint32_t> order;  ///< by record: index in what the tree was built over
 
     bool empty() const noexcept { return nodes.empty(); }
     std::size_t slot_count() const noexcept { return nodes.size() * SphereNode::kWidth; }
@@ -50,9 +50,9 @@ struct SphereTree {
     static constexpr std::uint32_t kMaxDepth = 80;
 };
 
-/// Builds over the lit lights of a table. Splits are chosen so that lights that are accepted
+/// Builds over lights of intensity above 0. Splits are chosen so that lights that are accepted
 /// together lie together, for ranges of reach * intensity (see RandomRanges). Runs in the caller's
 /// TBB arena; the result does not depend on it.
-SphereTree build_sphere_tree(const LightTable& table, float reach);
+SphereTree build_sphere_tree(Span<const RangedLight> lights, float reach);
 
 }  // namespace lightcull

@@ -82,8 +82,8 @@ class Collapse {
 /// Writes the wide nodes, each before those below it, and the records in the order of the leaves.
 class Emitter {
   public:
-    Emitter(const LightTable& table, const BinaryTree& binary, SphereTree& tree)
-        : table_(table), binary_(binary), collapse_(binary), tree_(tree) {}
+    Emitter(Span<const RangedLight> lights, const BinaryTree& binary, SphereTree& tree)
+        : lights_(lights), binary_(binary), collapse_(binary), tree_(tree) {}
 
     void emit_root() {
         if (binary_.nodes.size() > 1) {
@@ -103,8 +103,8 @@ class Emitter {
 
     std::uint32_t emit_light(std::uint32_t leaf) {
         const std::uint32_t light = binary_.nodes[leaf].light;
-        tree_.records.push_back(table_.records[light]);
-        tree_.lights.push_back(light);
+        tree_.records.push_back(lights_[light]);
+        tree_.order.push_back(light);
         return SphereNode::kLeaf | static_cast<std::uint32_t>(tree_.records.size() - 1);
     }
 
@@ -123,7 +123,7 @@ class Emitter {
         return index;
     }
 
-    const LightTable& table_;
+    Span<const RangedLight> lights_;
     const BinaryTree& binary_;
     Collapse collapse_;
     SphereTree& tree_;
@@ -156,7 +156,7 @@ std::uint32_t gather(const SphereTree& tree, const SphereNode& node, float reach
             slots[count] = around[link];
             continue;
         }
-        const LightRecord& light = tree.records[link & ~SphereNode::kLeaf];
+        const RangedLight& light = tree.records[link & ~SphereNode::kLeaf];
         slots[count] = {light.center, light.radius + std::sqrt(reach * light.intensity),
                         light.radius};
     }
@@ -189,13 +189,13 @@ void place_slots(SphereTree& tree, float reach) {
 
 }  // namespace
 
-SphereTree build_sphere_tree(const LightTable& table, float reach) {
+SphereTree build_sphere_tree(Span<const RangedLight> lights, float reach) {
     SphereTree tree;
-    const BinaryTree binary = build_binary_tree(table, reach);
+    const BinaryTree binary = build_binary_tree(lights, reach);
     if (binary.nodes.empty()) return tree;
-    tree.records.reserve(table.lit.size());
-    tree.lights.reserve(table.lit.size());
-    Emitter(table, binary, tree).emit_root();
+    tree.records.reserve(lights.size());
+    tree.order.reserve(lights.size());
+    Emitter(lights, binary, tree).emit_root();
     tree.centers.resize(tree.nodes.size());
     place_slots(tree, reach);
     return tree;

@@ -40,7 +40,7 @@ HWY_ATTR void refit_sets(const Refit& job, std::size_t begin, std::size_t end) {
             }
             if ((link & SphereNode::kLeaf) != 0) {
                 const std::uint32_t record = link & ~SphereNode::kLeaf;
-                const LightRecord& light = tree.records[record];
+                const RangedLight& light = tree.records[record];
                 job.ranges.ranges(record, job.first_set, light.intensity, own);
                 for (float& radius : own) radius += light.radius;
             } else {

@@ -26,33 +26,30 @@ HWY_ATTR inline void prefetch(const SphereNode& node, const float* radii) {
     hwy::Prefetch(radii);
 }
 
-/// The point of a walk.
-struct Seeker {
-    float3 x, normal;
-    float no_normal;  ///< 1 if the normal is 0, else 0
-};
+/// Nodes are skipped where a light is, by its importance, or is almost: rounding allowed for.
+HWY_ATTR inline float horizon_of_nodes(float horizon) {
+    return 2.0f * horizon;
+}
 
-/// Bit s is set if x is within the sphere of slot s, and what the slot holds is not below the
-/// horizon.
+/// Bit s is set if the point is within the sphere of slot s, and what the slot holds is not below
+/// the point's horizon.
 HWY_ATTR inline std::uint32_t slots_around(const SphereNode& node, const float* radii,
-                                           const Seeker& seeker) {
+                                           const LightBvhPoint& point) {
     const hn::CappedTag<float, SphereNode::kWidth> d;
     std::uint32_t bits = 0;
     for (std::size_t slot = 0; slot < SphereNode::kWidth; slot += hn::Lanes(d)) {
-        const auto dx = hn::Sub(hn::Load(d, node.x + slot), hn::Set(d, seeker.x.x));
-        const auto dy = hn::Sub(hn::Load(d, node.y + slot), hn::Set(d, seeker.x.y));
-        const auto dz = hn::Sub(hn::Load(d, node.z + slot), hn::Set(d, seeker.x.z));
+        const auto dx = hn::Sub(hn::Load(d, node.x + slot), hn::Set(d, point.position.x));
+        const auto dy = hn::Sub(hn::Load(d, node.y + slot), hn::Set(d, point.position.y));
+        const auto dz = hn::Sub(hn::Load(d, node.z + slot), hn::Set(d, point.position.z));
         const auto distance2 = hn::Add(hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)), hn::Mul(dz, dz));
         const auto r = hn::LoadU(d, radii + slot);
         // r |r|: the radius of an empty slot is negative.
         const auto within = hn::Le(distance2, hn::Mul(r, hn::Abs(r)));
-        const auto height = hn::Add(hn::Add(hn::Mul(dx, hn::Set(d, seeker.normal.x)),
-                                            hn::Mul(dy, hn::Set(d, seeker.normal.y))),
-                                    hn::Mul(dz, hn::Set(d, seeker.normal.z)));
-        const auto top =
-            hn::Add(hn::Add(height, hn::Set(d, seeker.no_normal)), hn::Load(d, node.bounds + slot));
-        const auto above =
-            hn::Ge(hn::Mul(top, hn::Abs(top)), hn::Mul(distance2, hn::Set(d, kHorizonRounding)));
+        const auto height = hn::Add(hn::Add(hn::Mul(dx, hn::Set(d, point.normal.x)),
+                                            hn::Mul(dy, hn::Set(d, point.normal.y))),
+                                    hn::Mul(dz, hn::Set(d, point.normal.z)));
+        const auto above = hn::Gt(hn::Add(height, hn::Load(d, node.bounds + slot)),
+                                  hn::Set(d, horizon_of_nodes(point.horizon)));
         std::uint8_t bytes[8] = {};
         hn::StoreMaskBits(d, hn::And(within, above), bytes);
         bits |= std::uint32_t{bytes[0]} << slot;
@@ -60,17 +57,14 @@ HWY_ATTR inline std::uint32_t slots_around(const SphereNode& node, const float* 
     return bits;
 }
 
-HWY_ATTR inline void find_leaves(const SphereTree& tree, const float* radii, float3 x,
-                                 float3 normal, TreeWalk& state, FoundLeaves& found) {
-    const bool volume = normal.x == 0.0f && normal.y == 0.0f && normal.z == 0.0f;
-    const Seeker seeker{x, normal, volume ? 1.0f : 0.0f};
+HWY_ATTR inline void find_leaves(const SphereTree& tree, const float* radii,
+                                 const LightBvhPoint& point, TreeWalk& state, FoundLeaves& found) {
     std::uint32_t found_count = 0, stack_size = state.stack_size;
     while (stack_size > 0 && found_count + SphereNode::kWidth <= FoundLeaves::kCapacity) {
         const std::uint32_t n = state.stack[--stack_size];
         const SphereNode& node = tree.nodes[n];
         ++state.nodes_visited;
-        std::uint32_t bits =
-            slots_around(node, radii + std::size_t{n} * SphereNode::kWidth, seeker);
+        std::uint32_t bits = slots_around(node, radii + std::size_t{n} * SphereNode::kWidth, point);
         assert(stack_size + SphereNode::kWidth <= TreeWalk::kStackSize);
         for (; bits != 0; bits &= bits - 1) {
             const std::uint32_t link = node.link[hwy::Num0BitsBelowLS1Bit_Nonzero32(bits)];

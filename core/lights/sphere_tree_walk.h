@@ -23,21 +23,17 @@ struct FoundLeaves {
     std::uint32_t count = 0;
 };
 
-/// What lies below the horizon of a normal is skipped, but for rounding: where the height of the
-/// top of a sphere, times its absolute value, is below this times the squared distance.
-inline constexpr float kHorizonRounding = -1e-11f;
-
-/// Calls visit(record) for every leaf whose sphere holds x and whose light may be above the horizon
-/// of the normal (0: there is none). Returns the number of nodes read.
+/// Calls visit(record) for every leaf whose sphere holds the point and whose light may be above its
+/// horizon. Returns the number of nodes read.
 template <typename Visit>
-std::uint32_t traverse(const SphereTree& tree, const float* radii, float3 x, float3 normal,
+std::uint32_t traverse(const SphereTree& tree, const float* radii, const LightBvhPoint& point,
                        Visit&& visit) noexcept {
     const auto find_leaves = kernels().find_leaves;
     TreeWalk walk;
     if (!tree.empty()) walk.stack[walk.stack_size++] = 0;
     FoundLeaves found;
     while (walk.stack_size > 0) {
-        find_leaves(tree, radii, x, normal, walk, found);
+        find_leaves(tree, radii, point, walk, found);
         for (std::uint32_t i = 0; i < found.count; ++i) visit(found.records[i]);
     }
     return walk.nodes_visited;

@@ -62,9 +62,9 @@ TEST_CASE("every instruction set, batch size and number of threads gives the sca
     const BestAgain best_again;
     const std::vector<Light> lights = mixed_lights(3000, 33, 8.0f);
     CHECK(instruction_sets().back() == "scalar");
-    for (const char* description :
-         {"culled:sets=1", "culled:sets=16:accepted=4", "culled:sets=64", "light_bvh",
-          "light_bvh:importance=means", "clamped", "exhaustive"}) {
+    for (const char* description : {"culled:sets=1", "culled:sets=16:accepted=4:group=1",
+                                    "culled:sets=64:group=8", "culled:sets=4:group=40", "light_bvh",
+                                    "light_bvh:importance=means", "clamped", "exhaustive"}) {
         CAPTURE(description);
         for (const std::uint32_t points : {0u, 1u, 7u, 8u, 9u, 17u, 600u}) {
             CAPTURE(points);
@@ -99,8 +99,8 @@ TEST_CASE("every instruction set refits to the same radii, and walks the same no
             CullingTree tree(table, RandomRanges(1e-2f, sets));
             tree.begin_pass(7);
             for (std::uint32_t set = 0; set < sets; ++set) {
-                for (std::size_t slot = 0; slot < tree.tree().slot_count(); ++slot) {
-                    REQUIRE(tree.radii(set)[slot] == scalar.radii(set)[slot]);
+                for (std::size_t slot = 0; slot < tree.tree().tree().slot_count(); ++slot) {
+                    REQUIRE(tree.tree().radii(set)[slot] == scalar.tree().radii(set)[slot]);
                 }
             }
             for (const ShadingPoint& point : mixed_points(100, 35, sets)) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "lights/culling_tree.h"
+#include "lights/range_calibration.h"
 #include "test_lights.h"
 
 using namespace lightcull;
@@ -29,11 +30,11 @@ std::vector<std::uint32_t> accepted_by_brute_force(const CullingTree& tree, cons
         if (!(importance(light, way, Receiver(point)) > 0.0f)) continue;
         const std::uint32_t record = tree.to_record(i);
         const float xi = tree.ranges().xi(record, point.set);
-        const bool accepted = is_within(way, light, tree.ranges().range(light.intensity, xi));
-        CHECK(tree.accepts(record, point.set, way) == accepted);
+        const bool accepted = tree.ranges().accepts(tree.tree().record(record), way, xi);
+        CHECK(tree.tree().accepts(record, point.set, way) == accepted);
         if (accepted) lights.push_back(i);
         // The same as p >= xi, but for rounding.
-        const double p = 1.0 / static_cast<double>(tree.inverse_prob(light, way));
+        const double p = 1.0 / static_cast<double>(tree.tree().inverse_prob(record, way));
         const double ratio = p / static_cast<double>(xi);
         if (std::abs(ratio - 1.0) > 1e-4) CHECK(accepted == (ratio > 1.0));
     }
@@ -86,15 +87,15 @@ TEST_CASE("a tree of no lights accepts nothing") {
 }
 
 TEST_CASE("every light is in the tree once, and nodes are full") {
-    const std::vector<Light> lights = mixed_lights(20000, 5);
-    const SphereTree tree = build_sphere_tree(make_light_table(lights), 1e-3f);
-    std::vector<int> seen(lights.size());
+    const LightTable table = make_light_table(mixed_lights(20000, 5));
+    const SphereTree tree = build_sphere_tree(ranged_scene(table).lights, 1e-3f);
+    std::vector<int> seen(table.lit.size());
     std::size_t filled = 0;
     for (const SphereNode& node : tree.nodes) {
         for (const std::uint32_t link : node.link) {
             if (link == SphereNode::kEmpty) continue;
             ++filled;
-            if ((link & SphereNode::kLeaf) != 0) ++seen[tree.lights[link & ~SphereNode::kLeaf]];
+            if ((link & SphereNode::kLeaf) != 0) ++seen[tree.order[link & ~SphereNode::kLeaf]];
         }
     }
     CHECK(std::count(seen.begin(), seen.end(), 1) == 20000);
