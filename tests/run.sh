@@ -17,7 +17,8 @@ run() {
 # One after the other: many of them keep all processors busy by themselves.
 run ctest ctest --test-dir "$root/build" --output-on-failure
 run pytest "$root/build/venv/bin/python" -m pytest -o cache_dir="$root/build/pytest-cache" \
-    "$root/tests/python" "$root/tests/packaging"
+    "$root/tests/python" "$root/tests/hard_cases" "$root/tests/hosts" "$root/tests/packaging"
+run fuzz "$root/tests/fuzz/run.sh" "$root/build/fuzz" "$root/build/venv/bin/python"
 
 if ((${#failed[@]})); then
     echo "== failed: ${failed[*]}"

@@ -27,6 +27,9 @@ def write_exr(
     path: str, image: np.ndarray, half: bool = False, metadata: dict[str, str] = ...
 ) -> None: ...
 def write_png(path: str, image: np.ndarray, metadata: dict[str, str] = ...) -> None: ...
+def write_whole_file(path: str, data: bytes) -> None:
+    """Writes a file that appears under its name whole or not at all."""
+
 def view_names() -> list[str]: ...
 def apply_view(image: np.ndarray, view: str, exposure_stops: float = 0.0) -> np.ndarray: ...
 
@@ -108,6 +111,16 @@ class LightSampler:
         sets: np.ndarray | None,
         /,
     ) -> np.ndarray: ...
+    def select_single(
+        self,
+        positions: np.ndarray,
+        normals: np.ndarray | None,
+        u: np.ndarray,
+        sets: np.ndarray | None,
+        /,
+    ) -> np.ndarray:
+        """As select(), one call of the library for each point."""
+
     def prob(
         self,
         positions: np.ndarray,
@@ -132,6 +145,15 @@ class LightSampler:
     def prob_is_proxy(self) -> bool: ...
 
 class RenderStats:
+    def __init__(
+        self,
+        passes: int,
+        seconds: float,
+        sampler_seconds: float,
+        selection_seconds: float,
+        selections: int,
+        rays: int,
+    ) -> None: ...
     @property
     def passes(self) -> int: ...
     @property
@@ -166,12 +188,21 @@ class Renderer:
     ) -> None: ...
     def render_pass(self) -> bool: ...
     def image(self) -> np.ndarray: ...
+    def sums(self) -> np.ndarray:
+        """float64 (H, W, 3), over the passes."""
+
+    def restore(self, stats: RenderStats, sums: np.ndarray, /) -> None:
+        """Goes on from stats() and sums() of a renderer like this one."""
+
     def stats(self) -> RenderStats: ...
     def mean_counts(self) -> MeanCounts: ...
     def setup_seconds(self) -> float: ...
 
 def instruction_sets() -> list[str]:
     """The instruction sets that selection can use on this machine, best first."""
+
+def instruction_set() -> str:
+    """The one in use."""
 
 def use_instruction_set(name: str) -> None:
     """Makes all samplers use one of instruction_sets(). Only while none is at work."""

@@ -10,12 +10,12 @@ from pathlib import Path
 from . import machine
 from ._core import Error
 from .images import check_writable
-from .reference import ReferenceOrder, reference_for, samplers_of_reference
-from .render import Budget, Progress, ProgressCallback, RenderJob, RenderSettings
+from .reference import ReferenceOrder, reference_for
+from .render import Budget, Progress, ProgressCallback, RenderSettings
 from .report import Comparison, Reference, SamplerRun, write
 from .report.metrics import relmse
-from .sampler import check_description
 from .scene import Scene
+from .subject import Job, OwnSubject, Subject
 
 SAMPLERS = ("uniform", "power", "light_bvh", "exhaustive", "clamped", "culled", "paper")
 """Names of the samplers. Only `clamped` is biased."""
@@ -38,7 +38,7 @@ _REFERENCE_NOISE = 0.2
 
 
 def compare(
-    scene: Scene,
+    scene: Scene | Subject,
     samplers: Sequence[str] = DEFAULT_SAMPLERS,
     *,
     seconds: float | None = None,
@@ -71,12 +71,13 @@ def compare(
     """
     if not samplers:
         raise Error("samplers: wanted one at least")
+    subject = OwnSubject(scene) if isinstance(scene, Scene) else scene
     for description in samplers:
-        check_description(description)
+        subject.check_sampler(description)
     if folder is not None:
         check_writable(folder)
     settings = RenderSettings(size, max_depth, seed, threads)
-    comparing = _Comparing(scene, samplers, settings, Budget(spp, seconds), progress)
+    comparing = _Comparing(subject, samplers, settings, Budget(spp, seconds), progress)
     reference = comparing.reference(reference_seconds)
     comparing.run(reference)
     result = comparing.result(reference, command)
@@ -88,7 +89,7 @@ def compare(
 class _Contender:
     """A sampler under test: its render, and the error so far."""
 
-    def __init__(self, job: RenderJob, budget: Budget, reference: Reference) -> None:
+    def __init__(self, job: Job, budget: Budget, reference: Reference) -> None:
         self.job = job
         self._budget = budget
         self._reference = reference
@@ -140,7 +141,7 @@ class _Comparing:
 
     def __init__(
         self,
-        scene: Scene,
+        scene: Subject,
         samplers: Sequence[str],
         settings: RenderSettings,
         budget: Budget,
@@ -156,7 +157,7 @@ class _Comparing:
 
     def reference(self, seconds: float | None) -> Reference:
         """The reference, from the cache or rendered."""
-        samplers = samplers_of_reference(self._samplers, len(self._scene.lights()))
+        samplers = self._scene.reference_samplers(self._samplers)
         budget = self._budget.times(_REFERENCE_EFFORT)
         if seconds is not None:
             budget = Budget(None, seconds)
@@ -174,7 +175,7 @@ class _Comparing:
         """Renders in turns: always the sampler that has had the least."""
         try:
             for sampler in self._samplers:
-                job = RenderJob(self._scene, sampler, self._settings)
+                job = self._scene.new_job(sampler, self._settings, self._budget.spp)
                 self._contenders.append(_Contender(job, self._budget, reference))
             while (contender := self._next()) is not None:
                 self._give_turn(contender)
@@ -197,7 +198,7 @@ class _Comparing:
             max_depth=self._settings.max_depth,
             threads=self._settings.threads or machine.core_count(),
             seconds=self._budget.seconds or max(run.seconds for run in runs.values()),
-            machine=machine.describe() | {"lights": str(len(self._scene.lights()))},
+            machine=machine.describe() | {"lights": str(self._scene.light_count)},
             reference=reference,
             samplers=runs,
             command=command,

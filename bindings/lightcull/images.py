@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from . import _core
+from . import _core, checks
 from ._core import Error
 
 FORMATS = (".exr", ".png")
@@ -20,7 +20,7 @@ def read_image(path: str | os.PathLike[str], linear_data: bool = False) -> np.nd
 
     8- and 16-bit images are taken as sRGB, unless linear_data says that they hold numbers.
     """
-    return _core.read_image(os.fspath(path), linear_data)
+    return _core.read_image(checks.path("path", path), bool(linear_data))
 
 
 def write_exr(
@@ -31,14 +31,15 @@ def write_exr(
     metadata: dict[str, str] | None = None,
 ) -> None:
     """Writes linear RGB, float32 (H, W, 3), as OpenEXR with 32 or, if `half`, 16 bits."""
-    _core.write_exr(os.fspath(path), image, half, metadata or {})
+    about = checks.texts("metadata", metadata or {})
+    _core.write_exr(checks.path("path", path), image, bool(half), about)
 
 
 def write_png(
     path: str | os.PathLike[str], image: np.ndarray, *, metadata: dict[str, str] | None = None
 ) -> None:
     """Writes what `apply_view` gave, float32 (H, W, 3), as an 8-bit PNG."""
-    _core.write_png(os.fspath(path), image, metadata or {})
+    _core.write_png(checks.path("path", path), image, checks.texts("metadata", metadata or {}))
 
 
 def view_names() -> list[str]:
@@ -53,7 +54,8 @@ def apply_view(image: np.ndarray, view: str | None = None, exposure: float = 0.0
 
     view: one of `view_names()`; None: the first. exposure: stops.
     """
-    return _core.apply_view(image, view or view_names()[0], exposure)
+    name = view_names()[0] if view is None else checks.text("view", view)
+    return _core.apply_view(image, name, checks.number("exposure", exposure))
 
 
 def save_image(
@@ -78,11 +80,38 @@ def check_format(path: str | os.PathLike[str]) -> str:
     return ending
 
 
+def write_whole_file(path: str | os.PathLike[str], data: bytes) -> None:
+    """Writes a file that appears under its name whole or not at all. Makes its folder if need be."""
+    name = checks.path("path", path)
+    make_folder(Path(name).parent)
+    _core.write_whole_file(name, data)
+
+
+def check_output(path: str | os.PathLike[str]) -> None:
+    """Throws Error unless a file of that name can be written, so that no render is lost to it."""
+    name = checks.path("path", path)
+    if not name or name.endswith("/") or Path(name).is_dir():
+        raise Error(f"{name or repr(name)}: is a folder; wanted the name of a file")
+    if Path(name).exists() and not Path(name).is_file():
+        raise Error(f"{name}: cannot write: it is there and is not a file")
+    check_writable(Path(name).parent)
+
+
 def check_writable(folder: str | os.PathLike[str]) -> None:
-    """Makes a folder if need be and tries to write into it, so that no render is lost to it."""
+    """Throws Error unless files can be written into a folder, which need not be there yet."""
+    there = Path(folder).absolute()
     try:
-        Path(folder).mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=folder):
+        while not there.exists() and there != there.parent:
+            there = there.parent
+        with tempfile.TemporaryFile(dir=there):
             pass
     except OSError as error:
         raise Error(f"{os.fspath(folder)}: cannot write there: {error.strerror}") from error
+
+
+def make_folder(folder: Path) -> None:
+    """With those above it, unless it is there."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise Error(f"{folder}: cannot make this folder: {error.strerror}") from error

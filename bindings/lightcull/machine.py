@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 import platform
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +24,13 @@ def describe() -> dict[str, str]:
         "python": platform.python_version(),
         "numpy": np.__version__,
     }
+
+
+@cache
+def build_id() -> str:
+    """The version, down to the build of the compiled part."""
+    code = Path(_core.__file__).read_bytes()
+    return f"{_core.VERSION}-{hashlib.blake2b(code, digest_size=16).hexdigest()}"
 
 
 def core_count() -> int:

@@ -6,26 +6,21 @@ import hashlib
 import json
 import os
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cache
 from pathlib import Path
 from typing import TypeAlias
 
 import numpy as np
 
-from . import _core
-from .render import Budget, RenderJob, RenderSettings
+from . import machine
+from .render import Budget, RenderSettings
 from .report import Reference
 from .report.metrics import relmse_of_mean
-from .scene import Scene
+from .subject import Job, Subject
 
 ReferenceProgress: TypeAlias = Callable[[float, int, float], None]
 
-_CULLED, _CLUSTERS = "culled", "light_bvh:importance=means"
-"""The samplers of least noise for many lights."""
-_FEW_LIGHTS = 200
-"""With so few, weighing all of them for each point costs little."""
 _SEEDS = (0x52454641, 0x52454642)
 """Of the two halves; no sampler under test is likely to be given one of them."""
 
@@ -34,7 +29,7 @@ _SEEDS = (0x52454641, 0x52454642)
 class ReferenceOrder:
     """What reference is wanted."""
 
-    scene: Scene
+    scene: Subject
     samplers: tuple[str, str]
     """Of the first and the second half."""
     settings: RenderSettings
@@ -50,19 +45,8 @@ class ReferenceOrder:
     def key(self) -> str:
         """What the image depends on, but for how long it was rendered."""
         size, max_depth = self.settings.size, self.settings.max_depth
-        parts = (self.scene.digest(), self.samplers, size, max_depth, _SEEDS, _build())
+        parts = (self.scene.digest(), self.samplers, size, max_depth, _SEEDS, machine.build_id())
         return hashlib.blake2b(json.dumps(parts).encode(), digest_size=16).hexdigest()
-
-
-def samplers_of_reference(under_test: Sequence[str], light_count: int) -> tuple[str, str]:
-    """The best sampler that is not under test, for both halves; if all are, two of them, so that
-    what one has wrong shows as noise of the reference.
-    """
-    best_first = ["exhaustive"] if light_count <= _FEW_LIGHTS else []
-    best_first += [_CULLED, _CLUSTERS]
-    families = {description.split(":")[0] for description in under_test}
-    free = [sampler for sampler in best_first if sampler.split(":")[0] not in families]
-    return (free[0], free[0]) if free else (_CULLED, _CLUSTERS)
 
 
 def reference_for(order: ReferenceOrder, progress: ReferenceProgress) -> Reference:
@@ -87,10 +71,10 @@ def reference_for(order: ReferenceOrder, progress: ReferenceProgress) -> Referen
     return reference
 
 
-def _render_half(order: ReferenceOrder, index: int, progress: ReferenceProgress) -> RenderJob:
+def _render_half(order: ReferenceOrder, index: int, progress: ReferenceProgress) -> Job:
     settings = replace(order.settings, seed=_SEEDS[index])
-    job = RenderJob(order.scene, order.samplers[index], settings)
     half = order.budget.times(0.5)
+    job = order.scene.new_job(order.samplers[index], settings, half.spp)
     while not half.is_used(job.stats()):
         job.render_pass()
         stats = job.stats()
@@ -103,13 +87,6 @@ def _cache_folder() -> Path:
     """As the XDG base directory specification has it."""
     base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
     return Path(base) / "lightcull" / "references"
-
-
-@cache
-def _build() -> str:
-    """The version, down to the build of the compiled part."""
-    code = Path(_core.__file__).read_bytes()
-    return f"{_core.VERSION}-{hashlib.blake2b(code, digest_size=16).hexdigest()}"
 
 
 def _read(path: Path, order: ReferenceOrder) -> Reference | None:

@@ -3,16 +3,22 @@
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
-from . import _core
+from . import _core, checks, machine, memory
 from ._core import Error
+from .checkpoint import Checkpoint, Keeper, RenderKey
 from .images import save_image
+from .interruption import Interruption
 from .scene import Scene
+
+if TYPE_CHECKING:
+    from .subject import Job, Subject
 
 
 @dataclass(frozen=True)
@@ -98,18 +104,18 @@ class RenderSettings:
     threads: int
 
     def __post_init__(self) -> None:
-        least = {"width": 1, "height": 1, "max_depth": 1, "seed": 0, "threads": 0}
-        given = (*self.size, self.max_depth, self.seed, self.threads)
-        for (name, minimum), value in zip(least.items(), given, strict=True):
-            if not isinstance(value, int) or value < minimum:
-                raise Error(f"{name}: wanted a whole number from {minimum} up, got {value!r}")
+        memory.check_image(checks.size(self.size))
+        checks.whole_number("max_depth", self.max_depth, 1)
+        checks.whole_number("seed", self.seed, most=checks.MOST_64_BITS)
+        checks.whole_number("threads", self.threads)
 
 
 class RenderJob:
     """A render that goes pass by pass, and its clock: set-up and passes, nothing else."""
 
     def __init__(self, scene: Scene, sampler: str, settings: RenderSettings) -> None:
-        self.sampler = sampler
+        self.sampler = checks.text("sampler", sampler)
+        self._setup_seconds_before = 0.0
         self._renderer = _core.Renderer(
             scene.closed(), sampler, *settings.size, settings.max_depth, settings.seed,
             settings.threads,
@@ -118,6 +124,16 @@ class RenderJob:
     def render_pass(self) -> None:
         """Adds one sample to every pixel. Ctrl-C drops the pass."""
         self._renderer.render_pass()
+
+    def checkpoint(self) -> Checkpoint:
+        """All that there is so far."""
+        renderer = self._renderer
+        return Checkpoint(renderer.stats(), self._setup_seconds(), renderer.sums())
+
+    def resume(self, checkpoint: Checkpoint) -> None:
+        """Goes on from a checkpoint of the same render. Before the first pass."""
+        self._renderer.restore(checkpoint.stats, checkpoint.sums)
+        self._setup_seconds_before = checkpoint.setup_seconds
 
     def image(self) -> np.ndarray:
         """The mean of the passes so far: float32 (H, W, 3)."""
@@ -129,7 +145,7 @@ class RenderJob:
 
     def stats(self) -> Stats:
         core = self._renderer.stats()
-        setup = self._renderer.setup_seconds()
+        setup = self._setup_seconds()
         return Stats(
             spp=core.passes,
             seconds=setup + core.seconds,
@@ -139,6 +155,9 @@ class RenderJob:
             rays=core.rays,
             sampler_seconds=core.sampler_seconds,
         )
+
+    def _setup_seconds(self) -> float:
+        return self._setup_seconds_before + self._renderer.setup_seconds()
 
 
 @dataclass(frozen=True)
@@ -151,9 +170,9 @@ class Budget:
     def __post_init__(self) -> None:
         if (self.spp is None) == (self.seconds is None):
             raise Error("give either seconds=... or spp=...")
-        if self.spp is not None and self.spp < 1:
+        if self.spp is not None and checks.whole_number("spp", self.spp, 0, checks.MOST_64_BITS) < 1:
             raise Error(f"spp: wanted at least 1, got {self.spp}")
-        if self.seconds is not None and not self.seconds > 0:
+        if self.seconds is not None and not checks.number("seconds", self.seconds) > 0:
             raise Error(f"seconds: wanted more than 0, got {self.seconds}")
 
     @property
@@ -194,7 +213,7 @@ class Budget:
 
 
 def render(
-    scene: Scene,
+    scene: Scene | Subject,
     sampler: str = "culled",
     *,
     seconds: float | None = None,
@@ -204,29 +223,76 @@ def render(
     seed: int = 0,
     threads: int = 0,
     progress: ProgressCallback | None = None,
+    checkpoint: str | os.PathLike[str] | None = None,
+    every: float = 60.0,
+    resume: str | os.PathLike[str] | None = None,
 ) -> RenderResult:
     """Renders a scene, for `seconds` of wall time (at least one sample) or `spp` samples per pixel.
 
-    sampler: a description as in `LightSampler`. size: width and height, pixels. max_depth: longest
-    path, in edges: 1 sees emitters only, 2 direct light. threads: 0 for all; the image does not
-    depend on it. progress: called between passes; what it raises ends the render.
+    scene: ours, or a `lightcull.mitsuba.MitsubaScene`. sampler: a description as in `LightSampler`.
+    size: width and height, pixels. max_depth: longest path, in edges: 1 sees emitters only, 2
+    direct light. threads: 0 for all; the image does not depend on it. progress: called between
+    passes; what it raises ends the render.
 
-    Ctrl-C after the first pass ends the render too, and what there is is returned.
+    checkpoint: a file to which the render is saved every `every` seconds and at its end, from which
+    it can go on; whatever happens, the old one or the new one is there whole. It must not be there
+    before. resume: such a file to go on from, and to save to where checkpoint names no other. The
+    image has the same bits as if it had never stopped; seconds and spp count from the first start.
+    A file of another scene, sampler, size, max_depth, seed or build of lightcull is an Error.
+
+    Ctrl-C ends the render after the pass under way, and what there is is saved and returned. One
+    more, before that pass is over, is a KeyboardInterrupt.
     """
     budget = Budget(spp, seconds)
-    job = RenderJob(scene, sampler, RenderSettings(size, max_depth, seed, threads))
-    interrupted = False
-    try:
-        while not budget.is_used(job.stats()):
-            job.render_pass()
-            if progress is not None:
-                stats = job.stats()
-                left = budget.seconds_left(stats)
-                progress(Progress(sampler, budget.fraction(stats), stats.spp, left))
-    except KeyboardInterrupt:
-        if job.stats().spp == 0:
-            raise
-        interrupted = True
-    return RenderResult(
-        job.image(), job.stats(), scene.name, sampler, max_depth, seed, interrupted
-    )
+    settings = RenderSettings(size, max_depth, seed, threads)
+    if not isinstance(scene, Scene):
+        if not hasattr(scene, "new_job"):
+            raise TypeError(f"scene: wanted a lightcull.Scene, got {scene!r}")
+        if checkpoint is not None or resume is not None:
+            raise Error("checkpoint and resume: not for a scene of another renderer")
+        job = scene.new_job(sampler, settings, spp)
+        interrupted = _run(job, budget, progress, None)
+    else:
+        version = machine.build_id()
+        key = RenderKey(scene.name, scene.digest(), sampler, size, max_depth, seed, version)
+        keeper = Keeper(key, checkpoint=checkpoint, every=every, resume=resume)
+        if keeper.before is not None and spp is not None and keeper.before.stats.passes > spp:
+            passes = keeper.before.stats.passes
+            raise Error(f"{resume}: has {passes} samples per pixel already, and {spp} were wanted")
+        job = RenderJob(scene, sampler, settings)
+        if keeper.before is not None:
+            job.resume(keeper.before)
+        interrupted = _run(job, budget, progress, lambda: keeper.after_pass(job.checkpoint))
+        keeper.save(job.checkpoint)
+    image = job.image()
+    _warn_of_nonsense(scene.name, image)
+    return RenderResult(image, job.stats(), scene.name, sampler, max_depth, seed, interrupted)
+
+
+def _warn_of_nonsense(scene: str, image: np.ndarray) -> None:
+    if not image.any():
+        warnings.warn(f"{scene}: the image is black: no light is seen", stacklevel=3)
+    elif not np.isfinite(image).all():
+        count = np.count_nonzero(~np.isfinite(image).all(axis=2))
+        warnings.warn(f"{scene}: {count} pixels are not finite", stacklevel=3)
+
+
+def _run(
+    job: Job, budget: Budget, progress: ProgressCallback | None, keep: Callable[[], None] | None
+) -> bool:
+    """Renders pass by pass until the budget is used up. True if Ctrl-C came before that."""
+    with Interruption() as interruption:
+        try:
+            while not interruption.asked and not budget.is_used(job.stats()):
+                job.render_pass()
+                if keep is not None:
+                    keep()
+                if progress is not None:
+                    stats = job.stats()
+                    left = budget.seconds_left(stats)
+                    progress(Progress(job.sampler, budget.fraction(stats), stats.spp, left))
+        except KeyboardInterrupt:
+            if interruption.asked or job.stats().spp == 0:
+                raise
+            return True
+        return interruption.asked

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from . import _core
+from . import _core, checks
 from .scene import Scene
 
 
@@ -36,18 +36,21 @@ class LightSampler:
         *,
         calibration: tuple[np.ndarray, np.ndarray] | None = None,
     ) -> None:
-        self.description = description
+        self.description = checks.text("description", description)
         if isinstance(lights, Scene):
             if calibration is not None:
                 raise TypeError("calibration: a scene brings its own")
             self._core = _core.sampler_of_scene(lights.closed(), description)
         else:
             positions, normals = calibration or (np.empty((0, 3), np.float32), None)
+            if getattr(getattr(lights, "dtype", None), "names", None) == _core.LIGHT.names:
+                # What NumPy makes of several arrays of them has another layout in memory.
+                lights = lights.astype(_core.LIGHT, copy=False)
             self._core = _core.sampler_of_lights(lights, description, positions, normals)
 
     def begin_pass(self, number: int) -> None:
         """Draws the random ranges of a pass; equal numbers give equal ranges."""
-        self._core.begin_pass(number)
+        self._core.begin_pass(checks.whole_number("number", number, most=checks.MOST_64_BITS))
 
     def select(
         self,

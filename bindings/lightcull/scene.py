@@ -7,11 +7,12 @@ import os
 import threading
 from collections.abc import Sequence
 from dataclasses import dataclass
+from numbers import Real
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
-from . import _core
+from . import _core, checks
 from ._core import Error
 
 Vector: TypeAlias = Sequence[float] | np.ndarray
@@ -65,6 +66,19 @@ class Scene:
         self._bounds: np.ndarray | None = None
         self._counts = {"meshes": 0, "materials": 0, "textures": 0, "points": 0, "spots": 0}
 
+    @classmethod
+    def from_mitsuba(cls, scene: Any, name: str = "scene") -> Scene:
+        """A loaded `mitsuba.Scene`, of an RGB variant that is set, for our own renderer.
+
+        Meshes and rectangles; diffuse and principled materials, and those two-sided; area emitters
+        with a colour, a texture or a `face_radiance`; points, spots, environments; the first
+        sensor. All else is named in one `UnsupportedWarning`; what emits by it is left out, and
+        materials are grey.
+        """
+        from .mitsuba.importer import import_scene
+
+        return import_scene(scene, name)
+
     def add_texture(self, texels: TextureSource, *, linear_data: bool = False) -> int:
         """Adds an image and returns its id, for materials and emission.
 
@@ -72,7 +86,7 @@ class Scene:
         linear_data: of a path, that an 8-bit image holds numbers (roughness), not sRGB colours.
         """
         if not isinstance(texels, np.ndarray):
-            texels = _core.read_image(os.fspath(texels), linear_data)
+            texels = _core.read_image(checks.path("texture", texels), bool(linear_data))
         texture = self._core.add_texture(texels)
         self._note("texture", texels)
         self._counts["textures"] += 1
@@ -99,10 +113,10 @@ class Scene:
         parameters = (
             kind == "metallic_roughness",
             base_color,
-            metallic,
-            roughness,
-            _texture_id(base_color_texture),
-            _texture_id(metallic_roughness_texture),
+            checks.number("metallic", metallic),
+            checks.number("roughness", roughness),
+            _texture_id("base_color_texture", base_color_texture),
+            _texture_id("metallic_roughness_texture", metallic_roughness_texture),
         )
         material = self._core.add_material(*parameters)
         self._note("material", *parameters)
@@ -156,8 +170,8 @@ class Scene:
         emission = (
             (1.0, 1.0, 1.0) if per_face else radiance,
             radiance if per_face else None,
-            _texture_id(texture),
-            two_sided,
+            _texture_id("texture", texture),
+            bool(two_sided),
         )
         return self._add_mesh(name, positions, indices, normals, uvs, material, emission)
 
@@ -173,7 +187,8 @@ class Scene:
         """Adds a point that emits `intensity` (linear RGB, W/sr) up to `inner` from `direction`,
         and from there smoothly less until nothing at `outer`; radians, 0 <= inner <= outer.
         """
-        parameters = (position, direction, intensity, inner, outer)
+        angles = checks.number("inner", inner), checks.number("outer", outer)
+        parameters = (position, direction, intensity, *angles)
         self._core.add_spot_light(*parameters)
         self._note("spot", *parameters)
         self._counts["spots"] += 1
@@ -191,8 +206,8 @@ class Scene:
         about +Y.
         """
         texels = _environment_texels(map_or_rgb)
-        rgb_scale = (scale,) * 3 if isinstance(scale, int | float) else scale
-        self._core.set_environment(texels, rgb_scale, rotation)
+        rgb_scale = (scale,) * 3 if isinstance(scale, Real) else scale
+        self._core.set_environment(texels, rgb_scale, checks.number("rotation", rotation))
         self._note("environment", texels, rgb_scale, rotation)
 
     def set_camera(
@@ -208,12 +223,16 @@ class Scene:
 
         vertical_fov: radians. aperture_radius, focus_distance: metres; a radius of 0 is a pinhole.
         """
-        parameters = (origin, target, up, vertical_fov, aperture_radius, focus_distance)
+        lens = (
+            checks.number("vertical_fov", vertical_fov),
+            checks.number("aperture_radius", aperture_radius),
+            checks.number("focus_distance", focus_distance),
+        )
+        parameters = (origin, target, up, *lens)
         self._core.set_camera(*parameters)
         self._note("camera", *parameters)
         self._camera = Camera(
-            _triple(origin), _triple(target), _triple(up),
-            float(vertical_fov), float(aperture_radius), float(focus_distance),
+            _triple(origin), _triple(target), _triple(up), *lens
         )  # fmt: skip
 
     @property
@@ -272,6 +291,8 @@ class Scene:
         material: int,
         emission: tuple[Any, Any, int, bool],
     ) -> int:
+        checks.text("name", name)
+        checks.whole_number("material", material)
         parameters = (name, positions, indices, normals, uvs, material, *emission)
         mesh = self._core.add_mesh(*parameters)
         self._note("mesh", *parameters)
@@ -307,8 +328,8 @@ class Scene:
             self._digest.update(b";")
 
 
-def _texture_id(texture: int | None) -> int:
-    return _core.NO_TEXTURE if texture is None else texture
+def _texture_id(name: str, texture: int | None) -> int:
+    return _core.NO_TEXTURE if texture is None else checks.whole_number(name, texture)
 
 
 def _triple(vector: Vector) -> tuple[float, float, float]:
@@ -318,7 +339,7 @@ def _triple(vector: Vector) -> tuple[float, float, float]:
 
 def _environment_texels(map_or_rgb: TextureSource | Vector) -> np.ndarray:
     if isinstance(map_or_rgb, str | os.PathLike):
-        return _core.read_image(os.fspath(map_or_rgb), False)
+        return _core.read_image(checks.path("environment", map_or_rgb), False)
     if isinstance(map_or_rgb, np.ndarray) and map_or_rgb.ndim != 1:
         return map_or_rgb
     if np.shape(map_or_rgb) != (3,):

@@ -3,6 +3,7 @@
 #include <lightcull/render/renderer.h>
 #include <lightcull/render/shadow_rays.h>
 
+#include "arena.h"
 #include "arrays.h"
 #include "counts.h"
 #include "module.h"
@@ -70,9 +71,7 @@ class TimedSampler {
   public:
     TimedSampler(std::shared_ptr<const Scene> scene, const std::string& description,
                  const RenderSettings& settings)
-        : scene_(std::move(scene)),
-          settings_(settings),
-          arena_(static_cast<int>(settings.threads)) {
+        : scene_(std::move(scene)), settings_(settings), arena_(arena_size(settings.threads)) {
         build_seconds_ =
             timed([&] { sampler_ = make_scene_sampler(description, *scene_, settings_); });
         begin_pass(0);
@@ -167,6 +166,7 @@ void bind_bench(py::module_& module) {
     using Released = py::call_guard<py::gil_scoped_release>;
     module.def("instruction_sets", &instruction_sets,
                "The instruction sets that selection can use on this machine, best first.");
+    module.def("instruction_set", &instruction_set, "The one in use.");
     module.def(
         "use_instruction_set", [](const std::string& name) { use_instruction_set(name); },
         py::arg("name"),

@@ -2,6 +2,7 @@
 #include "module.h"
 
 #include <lightcull/image/image.h>
+#include <lightcull/image/whole_file.h>
 
 #include <pybind11/stl.h>
 
@@ -41,6 +42,12 @@ py::object view_of_array(const py::object& array, const std::string& view, float
     return array_from_image(image.pixels, image.width, image.height);
 }
 
+void write_file(const std::string& path, const py::bytes& bytes) {
+    const std::string_view data = bytes;
+    const py::gil_scoped_release release;
+    write_whole_file(path, {reinterpret_cast<const unsigned char*>(data.data()), data.size()});
+}
+
 }  // namespace
 
 void bind_image(py::module_& module) {
@@ -49,6 +56,7 @@ void bind_image(py::module_& module) {
                py::arg("half") = false, py::arg("metadata") = Metadata());
     module.def("write_png", &write_png_array, py::arg("path"), py::arg("image"),
                py::arg("metadata") = Metadata());
+    module.def("write_whole_file", &write_file, py::arg("path"), py::arg("data"));
     module.def("view_names", &view_names);
     module.def("apply_view", &view_of_array, py::arg("image"), py::arg("view"),
                py::arg("exposure_stops") = 0.0f);

@@ -1,5 +1,6 @@
 #include <lightcull/render/renderer.h>
 
+#include "arena.h"
 #include "arrays.h"
 #include "counts.h"
 #include "module.h"
@@ -29,8 +30,7 @@ class InterruptibleRenderer {
                           const RenderSettings& settings)
         : scene_(std::move(scene)), settings_(settings) {
         const Clock::time_point start = Clock::now();
-        tbb::task_arena arena(settings.threads == 0 ? tbb::task_arena::automatic
-                                                    : static_cast<int>(settings.threads));
+        tbb::task_arena arena(arena_size(settings.threads));
         arena.execute([&] {
             renderer_ = std::make_unique<Renderer>(scene_, settings,
                                                    make_scene_sampler(sampler, *scene_, settings));
@@ -67,6 +67,32 @@ class InterruptibleRenderer {
             pixels = renderer_->image();
         }
         return array_from_image(pixels, settings_.width, settings_.height);
+    }
+
+    /// float64 (H, W, 3): the sums of the passes.
+    py::object sums() {
+        RenderState state;
+        {
+            const py::gil_scoped_release release;
+            const std::lock_guard lock(mutex_);
+            state = renderer_->state();
+        }
+        py::object array = new_array(py::make_tuple(settings_.height, settings_.width, 3),
+                                     numpy_dtype(py::str("float64")));
+        std::copy(state.sums.begin(), state.sums.end(), elements<double>(array).begin());
+        return array;
+    }
+
+    void restore(const RenderStats& stats, const py::object& sums) {
+        const py::buffer_info info = read_array(sums, "sums",
+                                                {numpy_dtype(py::str("float64")),
+                                                 {static_cast<py::ssize_t>(settings_.height),
+                                                  static_cast<py::ssize_t>(settings_.width), 3}});
+        const auto* first = static_cast<const double*>(info.ptr);
+        const RenderState state{stats, {first, first + info.size}};
+        const py::gil_scoped_release release;
+        const std::lock_guard lock(mutex_);
+        renderer_->restore(state);
     }
 
     RenderStats stats() {
@@ -116,6 +142,13 @@ std::unique_ptr<InterruptibleRenderer> make_renderer(std::shared_ptr<Scene> scen
 
 void bind_renderer(py::module_& module) {
     py::class_<RenderStats>(module, "RenderStats")
+        .def(py::init([](std::uint64_t passes, double seconds, double sampler_seconds,
+                         double selection_seconds, std::uint64_t selections, std::uint64_t rays) {
+                 return RenderStats{passes,     seconds, sampler_seconds, selection_seconds,
+                                    selections, rays};
+             }),
+             py::arg("passes"), py::arg("seconds"), py::arg("sampler_seconds"),
+             py::arg("selection_seconds"), py::arg("selections"), py::arg("rays"))
         .def_readonly("passes", &RenderStats::passes)
         .def_readonly("seconds", &RenderStats::seconds)
         .def_readonly("sampler_seconds", &RenderStats::sampler_seconds)
@@ -131,6 +164,8 @@ void bind_renderer(py::module_& module) {
              py::arg("height"), py::arg("max_depth"), py::arg("seed"), py::arg("threads"))
         .def("render_pass", &InterruptibleRenderer::render_pass)
         .def("image", &InterruptibleRenderer::image)
+        .def("sums", &InterruptibleRenderer::sums)
+        .def("restore", &InterruptibleRenderer::restore)
         .def("stats", &InterruptibleRenderer::stats)
         .def("mean_counts", &InterruptibleRenderer::mean_counts)
         .def("setup_seconds", &InterruptibleRenderer::setup_seconds);

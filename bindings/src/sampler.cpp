@@ -113,11 +113,18 @@ std::vector<Selection> selections_from(const py::object& array, Points& points,
             throw_row_error("selections", i, "the key is none of this sampler's");
         if (selections[i].prob > 0.0f && selections[i].light >= sampler.light_count())
             throw_row_error("selections", i, "the light is none of this sampler's");
+        const float sum = selections[i].receipt.weight_sum;
+        if (!(sum >= 0.0f && std::isfinite(sum)))
+            throw_row_error("selections", i, "the weight_sum is not finite and >= 0");
         points[i].set = selections[i].receipt.key;
     }
     return selections;
 }
 
+/// The points in one call, or in one call each.
+enum class Entry { kBatch, kSingle };
+
+template <Entry kEntry>
 py::object select(const SharedSampler& sampler, const py::object& positions,
                   const py::object& normals, const py::object& u, const py::object& sets) {
     Points points = points_from(positions, normals);
@@ -130,7 +137,14 @@ py::object select(const SharedSampler& sampler, const py::object& positions,
 
     py::object selections = new_array(py::make_tuple(count), selection_dtype());
     const Span<Selection> result = elements<Selection>(selections);
-    sampler.use([&](const LightSampler& s) { s.select(points, numbers.span(), result); });
+    sampler.use([&](const LightSampler& s) {
+        if constexpr (kEntry == Entry::kBatch) {
+            s.select(points, numbers.span(), result);
+        } else {
+            for (std::size_t i = 0; i < points.size(); ++i)
+                result[i] = s.select(points[i], numbers.span()[i]);
+        }
+    });
     return selections;
 }
 
@@ -154,6 +168,8 @@ py::object vertex_prob(const SharedSampler& sampler, const py::object& positions
     Points points = points_from(positions, normals);
     const std::vector<Selection> selected = selections_from(selections, points, sampler);
     const Rows<float3> rows(vertices, "vertices", static_cast<py::ssize_t>(points.size()));
+    for (std::size_t i = 0; i < rows.span().size(); ++i)
+        if (!is_finite(rows.span()[i])) throw_row_error("vertices", i, "not finite");
     py::object probs = new_array(py::make_tuple(points.size()), numpy_dtype(py::str("float32")));
     const Span<float> result = elements<float>(probs);
     sampler.use([&](const LightSampler& s) {
@@ -240,7 +256,8 @@ void bind_sampler(py::module_& module) {
     module.def("sampler_of_scene", &sampler_of_scene);
     py::class_<SharedSampler>(module, "LightSampler")
         .def("begin_pass", &SharedSampler::begin_pass)
-        .def("select", &select)
+        .def("select", &select<Entry::kBatch>)
+        .def("select_single", &select<Entry::kSingle>)
         .def("prob", &prob)
         .def("vertex_prob", &vertex_prob)
         .def("count", &count)

@@ -62,6 +62,9 @@ Image read_opened(const std::string& path, OIIO::ImageInput& input, bool linear_
 }  // namespace
 
 Image read_image(const std::string& path, bool linear_data) {
+    if (path.find('\0') != std::string::npos) {
+        fail(path.substr(0, path.find('\0')) + "\\0...", "no name of a file");
+    }
     try {
         const auto input = open_image(path);
         return read_opened(path, *input, linear_data);

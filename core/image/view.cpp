@@ -132,6 +132,7 @@ std::vector<std::string> view_names() {
 }
 
 Image apply_view(const Image& linear, std::string_view view, float exposure_stops) {
+    if (!std::isfinite(exposure_stops)) throw Error("exposure is not finite");
     const auto processor = translate_errors([&] { return make_processor(std::string(view)); });
     Image display = linear;
     const float scale = std::exp2(exposure_stops);

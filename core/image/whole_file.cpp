@@ -1,7 +1,8 @@
-#include "image/whole_file.h"
+#include <lightcull/image/whole_file.h>
 
 #include <fcntl.h>
 #include <lightcull/error.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -24,6 +25,8 @@ class PartialFile {
           path_(path),
           descriptor_(::open(name_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666)) {
         if (descriptor_ < 0) fail(path_, errno);
+        // Held until it is closed, also by the death of the process: see remove_abandoned().
+        ::flock(descriptor_, LOCK_EX);
     }
     ~PartialFile() {
         if (descriptor_ >= 0) ::close(descriptor_);
@@ -58,21 +61,42 @@ class PartialFile {
     bool kept_ = false;
 };
 
+constexpr const char* kPartial = ".part-";
+
 /// Unique among the threads and processes of this machine.
 std::string partial_name(const std::string& path) {
     static std::atomic<unsigned> counter{0};
-    return path + ".part-" + std::to_string(::getpid()) + "-" + std::to_string(counter++);
+    return path + kPartial + std::to_string(::getpid()) + "-" + std::to_string(counter++);
+}
+
+/// Removes the partial files of that path that nobody is writing any more.
+void remove_abandoned(const std::filesystem::path& path) {
+    const std::string prefix = path.filename().string() + kPartial;
+    const auto folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
+    std::error_code error;
+    for (std::filesystem::directory_iterator entry(folder, error), end; !error && entry != end;
+         entry.increment(error)) {
+        if (entry->path().filename().string().rfind(prefix, 0) != 0) continue;
+        const int descriptor = ::open(entry->path().c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
+        if (descriptor < 0) continue;
+        if (::flock(descriptor, LOCK_EX | LOCK_NB) == 0) ::unlink(entry->path().c_str());
+        ::close(descriptor);
+    }
 }
 
 }  // namespace
 
 void write_whole_file(const std::string& path, Span<const unsigned char> bytes) {
+    if (path.find('\0') != std::string::npos) {
+        throw Error(path.substr(0, path.find('\0')) + "\\0...: cannot write: no name of a file");
+    }
     std::error_code ignored;
     const auto status = std::filesystem::status(path, ignored);
     // rename() would put a file in the place of /dev/null.
     if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
         throw Error(path + ": cannot write: it is there and is not a file");
     }
+    remove_abandoned(path);
     PartialFile file(partial_name(path), path);
     file.write(bytes);
     file.keep();

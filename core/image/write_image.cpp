@@ -2,11 +2,10 @@
 #include <OpenImageIO/imageio.h>
 #include <lightcull/error.h>
 #include <lightcull/image/image.h>
+#include <lightcull/image/whole_file.h>
 
 #include <cstddef>
 #include <memory>
-
-#include "image/whole_file.h"
 
 namespace lightcull {
 namespace {

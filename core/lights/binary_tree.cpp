@@ -56,7 +56,9 @@ struct Split {
     float low = 0.0f, inv_width = 0.0f;
 
     int bin_of(const Key& key) const noexcept {
-        return std::min(static_cast<int>((key.at[dimension] - low) * inv_width), kBins - 1);
+        // 0 also for what is no number: an extent may be too large for a float.
+        const float at = (key.at[dimension] - low) * inv_width;
+        return at > 0.0f ? static_cast<int>(std::min(at, static_cast<float>(kBins - 1))) : 0;
     }
 };
 

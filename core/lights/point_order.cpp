@@ -29,9 +29,9 @@ class MortonCurve {
     }
 
   private:
-    /// Clamped: an extent may be too large for a float.
+    /// Clamped, and 0 for what is no number: an extent may be too large for a float.
     static std::uint32_t digits(float at) noexcept {
-        return static_cast<std::uint32_t>(std::clamp(at, 0.0f, 1023.0f));
+        return at > 0.0f ? static_cast<std::uint32_t>(std::min(at, 1023.0f)) : 0;
     }
 
     float3 low_;

@@ -10,8 +10,8 @@ CameraRays::CameraRays(const Camera& camera, std::uint32_t width, std::uint32_t 
     : origin_(to_v3f(camera.origin)),
       aperture_radius_(camera.aperture_radius),
       focus_distance_(camera.focus_distance) {
-    const V3f forward = unit(to_v3f(camera.target) - origin_);
-    right_ = unit(forward.cross(unit(to_v3f(camera.up))));
+    const V3f forward = direction(to_float3(to_v3f(camera.target) - origin_));
+    right_ = unit(forward.cross(direction(camera.up)));
     up_ = right_.cross(forward);
     const float half_height = std::tan(0.5f * camera.vertical_fov);
     const float pixel = 2.0f * half_height / static_cast<float>(height);

@@ -24,6 +24,17 @@ void finite(std::string_view what, float3 value) {
     if (!is_finite(to_v3f(value))) fail(what, "is not finite");
 }
 
+bool is_position(float3 value) noexcept {
+    constexpr float kLargestCoordinate = 1e15f;
+    const V3f p = to_v3f(value);
+    return is_finite(p) && max_component(abs(p)) <= kLargestCoordinate;
+}
+
+void position(std::string_view what, float3 value) {
+    finite(what, value);
+    if (!is_position(value)) fail(what, "is above 1e15");
+}
+
 void radiometric(std::string_view what, float3 value) {
     finite(what, value);
     if (value.x < 0.0f || value.y < 0.0f || value.z < 0.0f) fail(what, "is negative");
@@ -58,23 +69,25 @@ void texture(std::string_view what, const Texture& texture) {
 }
 
 void camera(const Camera& camera) {
-    finite("camera: origin", camera.origin);
-    finite("camera: target", camera.target);
+    position("camera: origin", camera.origin);
+    position("camera: target", camera.target);
     finite("camera: up", camera.up);
     const V3f forward = to_v3f(camera.target) - to_v3f(camera.origin);
     if (!(forward.length() > 0.0f)) fail("camera: target", "is the origin");
-    const V3f up = to_v3f(camera.up);
+    const V3f up = direction(camera.up);
     if (!(up.length() > 0.0f)) fail("camera: up", "is 0");
-    if (forward.normalized().cross(up.normalized()).length() < 1e-4f) {
+    if (forward.normalized().cross(up).length() < 1e-4f) {
         fail("camera: up", "is parallel to the direction of view");
     }
     if (!(camera.vertical_fov > 0.0f && camera.vertical_fov < kPi)) {
         fail("camera: vertical_fov", "is not in (0, pi)");
     }
     finite("camera: aperture_radius", camera.aperture_radius);
+    if (camera.aperture_radius > 1e15f) fail("camera: aperture_radius", "is above 1e15");
     if (camera.aperture_radius < 0.0f) fail("camera: aperture_radius", "is negative");
     finite("camera: focus_distance", camera.focus_distance);
     if (camera.focus_distance <= 0.0f) fail("camera: focus_distance", "is not above 0");
+    if (camera.focus_distance > 1e15f) fail("camera: focus_distance", "is above 1e15");
 }
 
 std::string element(std::string_view field, std::size_t i) {

@@ -16,6 +16,9 @@ namespace lightcull::check {
 void finite(std::string_view what, float value);
 void finite(std::string_view what, float2 value);
 void finite(std::string_view what, float3 value);
+/// Finite, and no farther out than what Embree and squared distances bear.
+bool is_position(float3 value) noexcept;
+void position(std::string_view what, float3 value);
 /// A colour or an intensity: finite and >= 0.
 void radiometric(std::string_view what, float3 value);
 void in_unit_range(std::string_view what, float value);

@@ -15,4 +15,11 @@ std::vector<float3> Film::mean() const {
     return image;
 }
 
+void Film::restore(Span<const double> sums, std::uint64_t passes) noexcept {
+    for (std::size_t i = 0; i < sums_.size(); ++i) {
+        sums_[i] = Imath::V3d(sums[3 * i], sums[3 * i + 1], sums[3 * i + 2]);
+    }
+    passes_ = passes;
+}
+
 }  // namespace lightcull

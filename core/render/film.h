@@ -2,6 +2,8 @@
 
 #include "render/vec.h"
 
+#include <lightcull/span.h>
+
 #include <ImathVec.h>
 #include <cstddef>
 #include <cstdint>
@@ -18,6 +20,10 @@ class Film {
     void add(const std::vector<V3f>& pass);
     /// The mean of the samples, black where there is none.
     std::vector<float3> mean() const;
+
+    /// Three numbers per pixel, and how to go on from them.
+    const std::vector<Imath::V3d>& sums() const noexcept { return sums_; }
+    void restore(Span<const double> sums, std::uint64_t passes) noexcept;
 
   private:
     std::vector<Imath::V3d> sums_;

@@ -156,6 +156,19 @@ bool Renderer::render_pass(const std::atomic<bool>* cancel) {
 std::vector<float3> Renderer::image() const {
     return impl_->film.mean();
 }
+void Renderer::restore(const RenderState& state) {
+    check_state(state, impl_->settings);
+    impl_->film.restore(state.sums, state.stats.passes);
+    impl_->stats = state.stats;
+}
+RenderState Renderer::state() const {
+    RenderState state{impl_->stats, {}};
+    state.sums.reserve(3 * impl_->film.sums().size());
+    for (const Imath::V3d& sum : impl_->film.sums()) {
+        state.sums.insert(state.sums.end(), {sum.x, sum.y, sum.z});
+    }
+    return state;
+}
 const RenderStats& Renderer::stats() const noexcept {
     return impl_->stats;
 }

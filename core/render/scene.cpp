@@ -15,9 +15,6 @@
 namespace lightcull {
 namespace {
 
-/// What Embree and squared distances bear.
-constexpr float kLargestCoordinate = 1e15f;
-
 void check_not_committed(const Scene::Impl& scene) {
     if (scene.ray_tracer) throw Error("scene: nothing can be changed after commit()");
 }
@@ -56,11 +53,8 @@ void check_attribute(const std::string& what, Span<const T> values, std::size_t 
 
 void check_geometry(const std::string& name, const Mesh& mesh) {
     for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
-        const V3f p = to_v3f(mesh.positions[i]);
-        if (is_finite(p) && max_component(abs(p)) <= kLargestCoordinate) continue;
-        const std::string what = check::element(name + ": positions", i);
-        check::finite(what, mesh.positions[i]);
-        check::fail(what, "is above 1e15");
+        if (check::is_position(mesh.positions[i])) continue;
+        check::position(check::element(name + ": positions", i), mesh.positions[i]);
     }
     if (mesh.indices.size() % 3 != 0) {
         check::fail(name + ": indices", "has " + std::to_string(mesh.indices.size()) +
@@ -198,7 +192,7 @@ MeshId Scene::add_mesh(const Mesh& mesh) {
 void Scene::add_point_light(float3 position, float3 intensity) {
     check_not_committed(*impl_);
     const std::string name = "light " + std::to_string(impl_->lights.size()) + ", a point: ";
-    check::finite(name + "position", position);
+    check::position(name + "position", position);
     check::radiometric(name + "intensity", intensity);
     impl_->emitters.emplace_back(PointEmitter{to_v3f(position), to_v3f(intensity)});
     impl_->lights.push_back(point_light(position, luminance(to_v3f(intensity))));
@@ -208,10 +202,10 @@ void Scene::add_spot_light(float3 position, float3 direction, float3 intensity, 
                            float outer) {
     check_not_committed(*impl_);
     const std::string name = "light " + std::to_string(impl_->lights.size()) + ", a spot: ";
-    check::finite(name + "position", position);
+    check::position(name + "position", position);
     check::finite(name + "direction", direction);
     check::radiometric(name + "intensity", intensity);
-    const V3f axis = to_v3f(direction).normalized();
+    const V3f axis = lightcull::direction(direction);
     if (axis == V3f(0.0f)) check::fail(name + "direction", "is 0");
     if (!(inner >= 0.0f && inner <= outer && outer <= kPi)) {
         check::fail(name + "inner and outer", "are not 0 <= inner <= outer <= pi");

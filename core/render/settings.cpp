@@ -4,6 +4,9 @@
 
 #include <lightcull/error.h>
 
+#include <cmath>
+#include <string>
+
 namespace lightcull {
 
 void check_committed(const Scene& scene) {
@@ -20,6 +23,25 @@ void check_settings(const RenderSettings& settings) {
     }
     if (settings.max_depth < 1) throw Error("settings: max_depth is 0: no path has no edge");
     if (settings.threads > kMost) throw Error("settings: threads is above 65535");
+}
+
+void check_state(const RenderState& state, const RenderSettings& settings) {
+    const std::size_t wanted = std::size_t{3} * settings.width * settings.height;
+    if (state.sums.size() != wanted) {
+        throw Error("state: has " + std::to_string(state.sums.size()) + " sums, not " +
+                    std::to_string(wanted));
+    }
+    for (std::size_t i = 0; i < wanted; ++i) {
+        if (!std::isfinite(state.sums[i])) {
+            throw Error("state: sums[" + std::to_string(i) + "] is not finite");
+        }
+    }
+    for (const double seconds :
+         {state.stats.seconds, state.stats.sampler_seconds, state.stats.selection_seconds}) {
+        if (!(seconds >= 0.0 && std::isfinite(seconds))) {
+            throw Error("state: a number of seconds is negative or not finite");
+        }
+    }
 }
 
 }  // namespace lightcull

@@ -37,6 +37,11 @@ inline V3f unit(const V3f& a) noexcept {
     return a * (1.0f / std::sqrt(a.dot(a)));
 }
 
+/// Unit vector along a of any length that floats can have; 0 for 0.
+inline V3f direction(float3 a) noexcept {
+    return V3f(Imath::V3d(a.x, a.y, a.z).normalized());
+}
+
 /// Luminance of linear RGB with the sRGB primaries (Rec. 709).
 inline float luminance(const V3f& rgb) noexcept {
     return 0.2126f * rgb.x + 0.7152f * rgb.y + 0.0722f * rgb.z;

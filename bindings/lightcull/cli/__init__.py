@@ -22,9 +22,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
         options = make_parser().parse_args(arguments)
         completed = COMMANDS[options.command](options, arguments, messages)
         return 0 if completed else _INTERRUPTED
-    except KeyboardInterrupt:
-        messages.print("lightcull: interrupted before there was anything to save", markup=False)
+    except KeyboardInterrupt as stop:
+        reason = str(stop) or "interrupted before there was anything to save"
+        messages.print(f"lightcull: {reason}", markup=False)
         return _INTERRUPTED
+    except MemoryError:
+        messages.print("lightcull: error: there is not enough memory", style="red", markup=False)
+        return _ERROR
     except (Error, OSError) as error:
         messages.print(f"lightcull: error: {error}", style="red", markup=False)
         return _ERROR

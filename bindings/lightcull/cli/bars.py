@@ -27,7 +27,6 @@ class Bars:
         self._tasks: dict[str, TaskID] = {}
 
     def __enter__(self) -> Bars:
-        self._bars.start()
         return self
 
     def __exit__(
@@ -36,10 +35,12 @@ class Bars:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        self._bars.stop()
+        if self._tasks:
+            self._bars.stop()
 
     def __call__(self, progress: Progress) -> None:
         left = _clock(progress.seconds_left)
+        self._bars.start()  # not before there is anything to show: errors come alone
         if progress.stage not in self._tasks:
             self._tasks[progress.stage] = self._bars.add_task(
                 progress.stage, total=1.0, spp=0, left=left

@@ -18,7 +18,7 @@ from rich.table import Table
 from .. import scenes
 from .._core import Error
 from ..bench import Row, bench
-from ..images import check_writable
+from ..images import check_output, write_whole_file
 from ..loaders import example_scene, open_scene
 from ..scene import Scene
 from ..scenes.lanterns import LIGHTS
@@ -32,7 +32,7 @@ SceneMaker: TypeAlias = Callable[[], Scene]
 def run(options: argparse.Namespace, messages: Console) -> bool:
     """Measures, prints a table for each scene and writes the JSON. False if Ctrl-C ended it."""
     if options.json is not None:
-        _check_output(Path(options.json))
+        check_output(options.json)
     rows: list[Row] = []
     completed = True
     try:
@@ -44,7 +44,7 @@ def run(options: argparse.Namespace, messages: Console) -> bool:
         completed = False
     if options.json is not None:
         text = json.dumps([asdict(row) for row in rows], indent=2, allow_nan=False)
-        Path(options.json).write_text(text + "\n", encoding="utf-8")
+        write_whole_file(options.json, (text + "\n").encode())
     return completed
 
 
@@ -64,12 +64,6 @@ def _bench(scene: Scene, options: argparse.Namespace, messages: Console, rows: l
                 rows.append(row)
     finally:
         _print(rows[first:])
-
-
-def _check_output(path: Path) -> None:
-    if path.is_dir():
-        raise Error(f"{path}: is a folder; wanted the name of a file")
-    check_writable(path.parent)
 
 
 def _scenes(names: Sequence[str]) -> list[SceneMaker]:

@@ -9,7 +9,7 @@ import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from rich.box import SIMPLE
@@ -18,49 +18,87 @@ from rich.table import Table
 
 from .._core import Error
 from ..compare import compare
-from ..images import check_format, check_writable, view_names
+from ..images import apply_view, check_format, check_output, check_writable, make_folder
 from ..loaders import open_scene
 from ..render import render
 from ..scene import Scene
-from . import bench
+from . import bench, selftest
 from .bars import Bars
+
+if TYPE_CHECKING:
+    from ..mitsuba.scene import MitsubaScene
+
+_SIZE, _MAX_DEPTH = (320, 240), 2
 
 Command: TypeAlias = Callable[[argparse.Namespace, Sequence[str], Console], bool]
 
 
 def _render(options: argparse.Namespace, arguments: Sequence[str], messages: Console) -> bool:
-    output = Path(options.output or f"{Path(options.scene).stem}.exr")
+    default = f"{Path(options.scene).stem or 'image'}.exr"
+    output = Path(default if options.output is None else options.output)
     _check_output(output, options)
     with _warnings_to(messages):
-        scene = open_scene(options.scene)
-        with Bars(messages) as bars:
-            result = render(scene, options.sampler, progress=bars, **_shared(options))
+        scene = _open(options)
+        with Bars(messages) as bars, _named_checkpoint(options):
+            result = render(
+                scene,
+                options.sampler,
+                progress=bars,
+                checkpoint=options.checkpoint,
+                every=options.every,
+                resume=options.resume,
+                **_shared(options),
+            )
+        make_folder(output.parent)
         result.save(output, options.view, options.exposure or 0.0)
     stats = result.stats
-    width, height = options.size
+    height, width = result.image.shape[:2]
+    lights = (
+        f"{len(scene.lights()):,} lights"
+        if isinstance(scene, Scene)
+        else f"{scene.light_count:,} emitters of Mitsuba's"
+    )
     print(
         f"{output}: {width}x{height}, {stats.spp} samples per pixel in {stats.seconds:.1f} s, "
-        f"{options.sampler} among {len(scene.lights()):,} lights"
+        f"{options.sampler} among {lights}"
         + (", interrupted" if result.interrupted else "")
     )
     return not result.interrupted
 
 
+def _open(options: argparse.Namespace) -> Scene | MitsubaScene:
+    """A scene of ours or, for an .xml file, of Mitsuba's, with the size and depth that it says."""
+    is_xml = Path(options.scene).suffix.lower() == ".xml"
+    if options.host is None and not is_xml:
+        options.size = options.size or _SIZE
+        options.max_depth = options.max_depth or _MAX_DEPTH
+        return open_scene(options.scene)
+    if not is_xml:
+        raise Error(f"{options.scene}: --host mitsuba is for an .xml scene of Mitsuba's")
+    from ..mitsuba.scene import depth_of_file, load_file
+
+    scene = load_file(options.scene, options.variant)
+    options.size = options.size or scene.size
+    options.max_depth = options.max_depth or depth_of_file(options.scene)
+    return scene
+
+
 def _check_output(output: Path, options: argparse.Namespace) -> None:
     if check_format(output) == ".exr" and (options.view or options.exposure is not None):
         raise Error(f"{output}: --view and --exposure are for a .png; an .exr stays linear")
-    if options.view and options.view not in view_names():
-        raise Error(f"no view {options.view!r}; there are {', '.join(view_names())}")
-    if output.is_dir():
-        raise Error(f"{output}: is a folder; wanted the name of a file")
-    check_writable(output.parent)
+    if check_format(output) == ".png":  # what a broken configuration of views throws, it throws now
+        apply_view(np.zeros((1, 1, 3), np.float32), options.view, options.exposure or 0.0)
+    check_output(output)
+    for other in (options.checkpoint, options.resume):
+        if other is not None and Path(other).resolve() == output.resolve():
+            raise Error(f"{output}: cannot be the image and the checkpoint")
 
 
 def _compare(options: argparse.Namespace, arguments: Sequence[str], messages: Console) -> bool:
-    folder = Path(options.output or "report")
+    folder = Path("report" if options.output is None else options.output)
     check_writable(folder)
     with _warnings_to(messages):
-        scene = open_scene(options.scene)
+        scene = _open(options)
         with Bars(messages) as bars:
             comparison = compare(
                 scene,
@@ -152,6 +190,18 @@ def _shared(options: argparse.Namespace) -> dict[str, Any]:
 
 
 @contextmanager
+def _named_checkpoint(options: argparse.Namespace) -> Iterator[None]:
+    """Says what stays of a render that is stopped at once."""
+    path = options.checkpoint or options.resume
+    try:
+        yield
+    except KeyboardInterrupt:
+        if path is None or not Path(path).exists():
+            raise
+        raise KeyboardInterrupt(f"stopped at once: {path} is as it was saved last") from None
+
+
+@contextmanager
 def _warnings_to(messages: Console) -> Iterator[None]:
     """Shows warnings as lines of their own."""
     with warnings.catch_warnings():
@@ -167,4 +217,5 @@ COMMANDS: dict[str, Command] = {
     "compare": _compare,
     "info": _info,
     "bench": _bench,
+    "selftest": selftest.run,
 }

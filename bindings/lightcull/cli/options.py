@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 import re
 from typing import NoReturn
 
@@ -10,16 +11,21 @@ from .._core import Error, instruction_sets
 from ..bench import DEFAULT_SAMPLERS as BENCH_SAMPLERS
 from ..bench import DEFAULT_SIZE as BENCH_SIZE
 from ..bench import DEFAULT_THREADS as BENCH_THREADS
+from ..checks import MOST_32_BITS, MOST_64_BITS, MOST_PIXELS
 from ..compare import DEFAULT_SAMPLERS, SAMPLERS
 from ..sampler import check_description
 from ..scenes import NAMES
+
+MITSUBA_PATH = "path"
+"""The sampler that is Mitsuba's own integrator."""
 
 _SCENES = "\n".join(f"  {name:10} {description}" for name, description in NAMES.items())
 
 _OVERVIEW = f"""\
 Renders scenes lit by up to millions of lights, and compares the ways to choose among them.
 
-SCENE is a file (.glb, .gltf, .obj, .ply) or the name of an example:
+SCENE is a file (.glb, .gltf, .obj, .ply), an .xml of Mitsuba's, which Mitsuba then renders with the
+integrator lightcull_path, or the name of an example:
 {_SCENES}
 
 SAMPLER is the way to choose a light for a point:
@@ -30,6 +36,7 @@ SAMPLER is the way to choose a light for a point:
   paper       stochastic light culling as published (Tokuyoshi & Harada 2016)
   clamped     lights with a limited range: biased, for comparison
   exhaustive  weighs every light for every point: slow, the floor for error
+  path        Mitsuba's own integrator, for an .xml only
 Options follow at colons: culled:sets=16, culled:accepted=32, paper:list=0:error_bound=auto,
 light_bvh:importance=means (means over a cluster in place of the published bounds: less noise)."""
 
@@ -39,7 +46,7 @@ examples:
   lightcull compare lanterns --samplers uniform,light_bvh,culled --seconds 30 -o report
   lightcull info city
 
-Ctrl-C ends a render early and keeps what there is. Exit codes: 0 done, 1 error, 2 wrong usage,
+Ctrl-C ends a render after the pass under way and keeps what there is; twice, at once. Exit codes: 0 done, 1 error, 2 wrong usage,
 130 interrupted. `lightcull COMMAND --help` says more."""
 
 _RENDER_EXAMPLES = """\
@@ -49,6 +56,12 @@ examples:
   lightcull render room.glb -o room.exr --max-depth 6 --spp 256
   lightcull render cornell -o a.exr --sampler uniform --spp 16 --seed 7
 
+  lightcull render city -o city.exr --spp 4096 --checkpoint city.checkpoint
+  lightcull render city -o city.exr --spp 4096 --resume city.checkpoint
+
+A render that was resumed has the same bits as one that never stopped. The checkpoint is whole at any
+moment; one of another scene, sampler, size, depth, seed or build is refused.
+
 The same seed gives the same image, whatever the number of threads. An .exr holds what made it:
 scene, sampler, seed, samples, seconds."""
 
@@ -57,6 +70,7 @@ examples:
   lightcull compare lanterns --samplers uniform,culled --seconds 20
   lightcull compare city --samplers light_bvh,culled,paper -o report-city
   lightcull compare cornell --samplers culled:sets=16,culled:sets=64 --spp 64
+  lightcull compare --host mitsuba scene.xml --samplers path,culled
 
 Builds and refits count as render time. The samplers take turns, so that a noisy machine is fair to
 all. A reference is rendered first, for 8 times as long, by a sampler that is not compared (or by
@@ -91,6 +105,17 @@ examples:
   lightcull info room.glb                                 also names what is not supported"""
 
 
+_SELFTEST_EXAMPLES = """\
+examples:
+  lightcull selftest                                      a minute or two
+
+Numbers that are hard to compute with: tiny, huge and distant scenes, points on lights and in their
+planes, powers over twelve decades, needles, edges of ranges, furnaces. Each case shows our error
+beside a closed form or an exhaustive answer, what rounding in single precision (or noise) allows, and
+how many of the instruction sets pass, the scalar path among them. It ends with a line `N passed, 0
+failed`; the exit code is 1 if any fails."""
+
+
 class _Parser(argparse.ArgumentParser):
     """Says what is wrong in one line."""
 
@@ -119,7 +144,16 @@ def make_parser() -> argparse.ArgumentParser:
     )
     render.add_argument("--view", help="of a .png: see through this view; default: the first")
     render.add_argument(
-        "--exposure", type=float, metavar="STOPS", help="of a .png: brighten it; default: 0"
+        "--exposure", type=_finite, metavar="STOPS", help="of a .png: brighten it; default: 0"
+    )
+    render.add_argument(
+        "--checkpoint", metavar="FILE", help="save the render to go on from later; a new file"
+    )
+    render.add_argument(
+        "--every", type=_positive, default=60.0, metavar="S", help="seconds between; default: 60"
+    )
+    render.add_argument(
+        "--resume", metavar="FILE", help="go on from a checkpoint, and keep it up to date"
     )
     _add_shared(render, seconds=10, output="SCENE.exr", output_help=".exr or .png to write")
 
@@ -140,6 +174,7 @@ def make_parser() -> argparse.ArgumentParser:
     _add_shared(compare, seconds=30, output="report", output_help="folder to write")
 
     _add_scene(add("info", "say what is in a scene", _INFO_EXAMPLES))
+    add("selftest", "check hard cases on this machine", _SELFTEST_EXAMPLES)
     _add_bench(add("bench", "measure what a selection costs", _BENCH_EXAMPLES))
     return parser
 
@@ -202,14 +237,19 @@ def _add_shared(
 ) -> None:
     _add_scene(parser)
     parser.add_argument(
-        "--size", type=_size, default=(320, 240), metavar="WxH", help="pixels; default: 320x240"
+        "--size", type=_size, metavar="WxH", help="pixels; default: 320x240; of an .xml: its own"
     )
     parser.add_argument(
         "--max-depth",
         type=_from_one,
-        default=2,
         metavar="N",
-        help="longest path, in edges: 2 is direct light only; default: 2",
+        help="longest path, in edges: 2 is direct light only; default: 2; of an .xml: its own",
+    )
+    parser.add_argument(
+        "--host", choices=["mitsuba"], help="renderer to use; default: mitsuba for an .xml"
+    )
+    parser.add_argument(
+        "--variant", default="scalar_rgb", help="of Mitsuba, for an .xml; default: scalar_rgb"
     )
     budget = parser.add_mutually_exclusive_group()
     budget.add_argument(
@@ -219,7 +259,7 @@ def _add_shared(
     parser.add_argument(
         "--threads", type=_from_zero, default=0, metavar="N", help="default: 0, all there are"
     )
-    parser.add_argument("--seed", type=_from_zero, default=0, metavar="N", help="default: 0")
+    parser.add_argument("--seed", type=_seed, default=0, metavar="N", help="default: 0")
     parser.add_argument(
         "-o", "--output", metavar="PATH", help=f"{output_help}; default: {output}"
     )
@@ -227,10 +267,13 @@ def _add_shared(
 
 
 def _size(text: str) -> tuple[int, int]:
-    match = re.fullmatch(r"([1-9]\d{0,4})x([1-9]\d{0,4})", text)
+    match = re.fullmatch(r"([1-9][0-9]{0,4})x([1-9][0-9]{0,4})", text)
     if match is None:
         raise argparse.ArgumentTypeError(f"wanted WIDTHxHEIGHT such as 640x360, got {text!r}")
-    return int(match[1]), int(match[2])
+    size = int(match[1]), int(match[2])
+    if max(size) > MOST_PIXELS:
+        raise argparse.ArgumentTypeError(f"wanted at most {MOST_PIXELS} pixels, got {text!r}")
+    return size
 
 
 def _positive(text: str) -> float:
@@ -243,19 +286,39 @@ def _positive(text: str) -> float:
     return value
 
 
+def _finite(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise argparse.ArgumentTypeError(f"wanted a number, got {text!r}")
+    return value
+
+
 def _from_one(text: str) -> int:
-    if not text.isascii() or not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"wanted a whole number from 1 up, got {text!r}")
-    return int(text)
+    return _whole(text, 1, MOST_32_BITS)
 
 
 def _from_zero(text: str) -> int:
-    if not text.isascii() or not text.isdecimal():
-        raise argparse.ArgumentTypeError(f"wanted a whole number from 0 up, got {text!r}")
+    return _whole(text, 0, MOST_32_BITS)
+
+
+def _seed(text: str) -> int:
+    return _whole(text, 0, MOST_64_BITS)
+
+
+def _whole(text: str, least: int, most: int) -> int:
+    if not re.fullmatch(r"[0-9]{1,30}", text) or int(text) < least:
+        raise argparse.ArgumentTypeError(f"wanted a whole number from {least} up, got {text!r}")
+    if int(text) > most:
+        raise argparse.ArgumentTypeError(f"wanted at most {most}, got {text!r}")
     return int(text)
 
 
 def _sampler(text: str) -> str:
+    if text == MITSUBA_PATH:  # whether there is a Mitsuba is known later
+        return text
     try:
         check_description(text)
     except Error as error:

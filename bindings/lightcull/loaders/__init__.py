@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .. import scenes
+from .. import checks, scenes
 from .._core import Error
 from ..scene import Scene
 from .gltf import fill_from_gltf
@@ -38,23 +38,36 @@ def load(path: str | os.PathLike[str]) -> Scene:
     What the file has beyond that is named in one `UnsupportedWarning`. It also says so if there was
     no camera (one is placed that sees everything) or no light (the surroundings are made white).
     """
-    path = Path(path)
+    path = Path(checks.path("path", path))
     fill = _LOADERS.get(path.suffix.lower())
     if fill is None:
         raise Error(f"{path}: wanted a name that ends in {', '.join(_LOADERS)}")
-    if not path.is_file():
-        raise Error(f"{path}: no such file")
+    _check_file(path)
     scene, notes = Scene(path.stem), Notes()
     try:
         fill(path, scene, notes)
     except Error as error:
-        raise Error(f"{path}: {error}") from error
+        raise Error(f"{path}: {' '.join(str(error).split())}") from error
     if scene.triangle_count == 0:
         raise Error(f"{path}: holds no triangles")
     _complete(scene, notes)
     if message := notes.message():
         warnings.warn(f"{path}: {message}", UnsupportedWarning, stacklevel=2)
     return scene
+
+
+def _check_file(path: Path) -> None:
+    try:
+        if path.is_dir():
+            raise Error(f"{path}: is a folder")
+        with path.open("rb"):
+            pass
+    except FileNotFoundError as error:
+        raise Error(f"{path}: no such file") from error
+    except OSError as error:
+        raise Error(f"{path}: cannot read: {error.strerror}") from error
+    except ValueError as error:
+        raise Error(f"{str(path)!r}: no name of a file") from error
 
 
 def example_scene(name: str) -> Scene:
@@ -70,7 +83,7 @@ def open_scene(name_or_path: str) -> Scene:
     """An example scene by its name, else a scene from a file."""
     if name_or_path in scenes.NAMES:
         return example_scene(name_or_path)
-    if Path(name_or_path).exists() or Path(name_or_path).suffix.lower() in _LOADERS:
+    if os.path.exists(checks.path("scene", name_or_path)) or Path(name_or_path).suffix.lower() in _LOADERS:
         return load(name_or_path)
     raise Error(
         f"{name_or_path!r} is neither a file nor an example scene"

@@ -34,7 +34,7 @@ def fill_from_gltf(path: Path, scene: Scene, notes: Notes) -> None:
     document, chunks = _read(path)
     try:
         _fill(path, document, chunks, scene, notes)
-    except (IndexError, KeyError, TypeError, ValueError) as error:
+    except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
         raise Error(f"its JSON makes no sense: {type(error).__name__}: {error}") from error
 
 
@@ -67,7 +67,7 @@ def _read(path: Path) -> tuple[Json, bytes]:
         data, chunks = data[20 : 20 + length], data[20 + length :]
     try:
         document = json.loads(data)
-    except ValueError as error:
+    except (RecursionError, ValueError) as error:
         raise Error(f"its JSON is broken: {error}") from error
     if not isinstance(document, dict):
         raise Error("its JSON is not an object")

@@ -35,10 +35,12 @@ class NotingResolver(trimesh.resolvers.FilePathResolver):
 
     def get(self, name: str) -> bytes:
         try:
-            return bytes(super().get(name))
+            data = bytes(super().get(name))
         except OSError:
             self._notes.left_out(f"missing file {name!r}")
             raise
+        is_text = name.lower().endswith(".mtl")
+        return data.decode("utf-8", errors="replace").encode() if is_text else data
 
 
 def parse(path: Path, stream: BinaryIO, notes: Notes) -> trimesh.Scene:
@@ -65,6 +67,10 @@ def add_geometry(
         notes.left_out("points and lines")
         return
     faces = np.asarray(geometry.faces)
+    if faces.size == 0:
+        return
+    if faces.shape[1:] != (3,) or np.shape(geometry.vertices)[1:] != (3,):
+        raise Error(f"mesh {name!r}: is not made of triangles and of positions of three coordinates")
     if np.linalg.det(transform[:3, :3]) < 0:
         faces = faces[:, ::-1]
     shape: dict[str, Any] = {
@@ -90,7 +96,7 @@ def add_geometry(
 def uvs_of(geometry: Any) -> np.ndarray | None:
     """Texture coordinates, v upwards: float32 (N, 2), or None."""
     uvs = getattr(geometry.visual, "uv", None)
-    if uvs is None or len(uvs) != len(geometry.vertices):
+    if uvs is None or len(uvs) != len(geometry.vertices) or np.shape(uvs)[1:] not in ((2,), (3,)):
         return None
     return _floats(np.asarray(uvs)[:, :2])
 

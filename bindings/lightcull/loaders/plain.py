@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from pathlib import Path
 from typing import Any
 
@@ -22,8 +23,9 @@ _MTL_STATEMENTS = {"kd", "map_kd", "ke", "map_ke", "ka", "ns", "ni", "illum", "d
 def fill_from_obj(path: Path, scene: Scene, notes: Notes) -> None:
     """Fills a scene from a Wavefront OBJ file and its materials."""
     _note_obj_statements(path, notes)
-    with path.open("rb") as stream:
-        parsed = parse(path, stream, notes)
+    # Names in other encodings are of no matter: trimesh would want another library to guess them.
+    text = path.read_text(encoding="utf-8", errors="replace")
+    parsed = parse(path, io.BytesIO(text.encode()), notes)
     surfaces: dict[tuple[str, bool], Surface] = {}
     for name, geometry in parsed.geometry.items():
         _note_vertex_colors(geometry, notes)

@@ -16,7 +16,8 @@ the same with the error after the 7 x 7 blur."""
 def compute(comparison: Comparison) -> dict[str, Any]:
     """The content of report.json: what it means is in the page's definitions.
 
-    None stands for a figure that there is not: a baseline that is not in the run, a division by 0.
+    None stands for a figure that there is not: a baseline that is not in the run, a division by 0,
+    what a host does not tell.
     """
     reference = comparison.reference
     samplers = {name: _of_run(run, reference.image) for name, run in comparison.samplers.items()}
@@ -53,7 +54,7 @@ def _of_run(run: SamplerRun, reference_image: Any) -> dict[str, Any]:
         "setup_seconds": float(run.setup_seconds),
         "ns_per_selection": _ratio(1e9 * run.selection_seconds, run.selections),
         "selection_share": _ratio(run.sampler_seconds, run.seconds - run.setup_seconds),
-        "rays_per_second": _ratio(run.rays, run.seconds - run.setup_seconds),
+        "rays_per_second": _ratio(run.rays or None, run.seconds - run.setup_seconds),
         "accepted_per_point": _finite(run.accepted_per_point),
         "nodes_per_point": _finite(run.nodes_per_point),
         "lights_tested_per_point": _finite(run.lights_tested_per_point),
@@ -76,7 +77,7 @@ def _efficiency(error: float | None, seconds: float) -> float | None:
 def _ratio(above: float | None, below: float | None) -> float | None:
     if above is None or below is None or below <= 0:
         return None
-    return above / below
+    return _finite(above / below)
 
 
 def _finite(value: float) -> float | None:

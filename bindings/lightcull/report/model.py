@@ -34,13 +34,13 @@ class SamplerRun:
     setup_seconds: float
     """Time before the first sample: builds, pilots."""
     selection_seconds: float
-    """Time spent choosing lights, summed over threads."""
+    """Time spent choosing lights, summed over threads; not a number where a host does not tell."""
     sampler_seconds: float
     """Time that the passes spent on refits and on choosing lights."""
     selections: int
     """How often a light was chosen."""
     rays: int
-    """Camera, shadow and scattered rays."""
+    """Camera, shadow and scattered rays; 0 where a host does not tell."""
     accepted_per_point: float
     """Lights weighed with a weight above 0, mean over shading points."""
     nodes_per_point: float

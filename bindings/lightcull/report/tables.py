@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import csv
+import io
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
+
+from ..images import write_whole_file
 
 RUN_COLUMNS = (
     "spp",
@@ -33,25 +37,28 @@ RUN_COLUMNS = (
 
 def write_json(figures: dict[str, Any], path: Path) -> None:
     """Writes report.json; figures as from `figures.compute`."""
-    path.write_text(json.dumps(figures, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+    write_whole_file(path, (json.dumps(figures, indent=2, allow_nan=False) + "\n").encode())
 
 
 def write_csv(figures: dict[str, Any], path: Path) -> None:
     """Writes a line for each sampler; a figure that there is not is an empty field."""
-    with path.open("w", newline="", encoding="utf-8") as stream:
-        lines = csv.writer(stream, lineterminator="\n")
-        lines.writerow(
-            ("scene", "width", "height", "max_depth", "threads", "sampler", *RUN_COLUMNS)
-        )
-        for name, run in figures["samplers"].items():
-            setting = [figures[key] for key in ("scene", "width", "height", "max_depth", "threads")]
-            lines.writerow([*setting, name, *(run[key] for key in RUN_COLUMNS)])
+    columns = ("scene", "width", "height", "max_depth", "threads")
+    lines: list[Sequence[Any]] = [(*columns, "sampler", *RUN_COLUMNS)]
+    for name, run in figures["samplers"].items():
+        setting = [figures[key] for key in columns]
+        lines.append([*setting, name, *(run[key] for key in RUN_COLUMNS)])
+    _write_lines(path, lines)
 
 
 def write_curves_csv(figures: dict[str, Any], path: Path) -> None:
     """Writes a line for each point of each error curve."""
-    with path.open("w", newline="", encoding="utf-8") as stream:
-        lines = csv.writer(stream, lineterminator="\n")
-        lines.writerow(("sampler", "seconds", "relmse"))
-        for name, run in figures["samplers"].items():
-            lines.writerows([name, *point] for point in run["error_curve"])
+    lines: list[Sequence[Any]] = [("sampler", "seconds", "relmse")]
+    for name, run in figures["samplers"].items():
+        lines.extend([name, *point] for point in run["error_curve"])
+    _write_lines(path, lines)
+
+
+def _write_lines(path: Path, lines: Sequence[Sequence[Any]]) -> None:
+    stream = io.StringIO()
+    csv.writer(stream, lineterminator="\n").writerows(lines)
+    write_whole_file(path, stream.getvalue().encode())

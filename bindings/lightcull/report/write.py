@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import io
 import re
 from pathlib import Path
 
+from ..images import write_whole_file
 from . import html, pictures, plots, tables
 from .figures import compute
 from .model import Comparison
@@ -19,23 +21,24 @@ def write(comparison: Comparison, folder: str | Path) -> Path:
     import lightcull
 
     folder = Path(folder)
-    folder.mkdir(parents=True, exist_ok=True)
     figures = compute(comparison)
     view = lightcull.view_names()[0]
     exposure = pictures.exposure_for(comparison.reference.image)
 
     images = _images(comparison, view, exposure)
     for name, png in images["image"].items():
-        (folder / f"{file_stem(name)}.png").write_bytes(png)
+        write_whole_file(folder / f"{file_stem(name)}.png", png)
     _write_exrs(comparison, folder)
-    plots.error_against_time(figures).savefig(folder / "error_curves.png", dpi=150)
+    curves = io.BytesIO()
+    plots.error_against_time(figures).savefig(curves, dpi=150, format="png")
+    write_whole_file(folder / "error_curves.png", curves.getvalue())
     tables.write_json(figures, folder / "report.json")
     tables.write_csv(figures, folder / "report.csv")
     tables.write_curves_csv(figures, folder / "error_curves.csv")
 
     index = folder / "index.html"
     shown_with = f"{view}, exposure {exposure:+g} stops"
-    index.write_text(html.render(figures, images, shown_with), encoding="utf-8")
+    write_whole_file(index, html.render(figures, images, shown_with).encode())
     return index
 
 

@@ -38,6 +38,13 @@ struct RenderStats {
     std::uint64_t rays = 0;  ///< camera, shadow and scattered rays
 };
 
+/// All that a renderer has come to, after any number of whole passes.
+struct RenderState {
+    RenderStats stats;
+    std::vector<double>
+        sums;  ///< over the passes, linear RGB, row 0 at the top: height * width * 3
+};
+
 /// A progressive path tracer: each pass adds one sample to every pixel. The result depends on the
 /// scene, the settings and the sampler, never on the number of threads.
 class Renderer {
@@ -54,6 +61,12 @@ class Renderer {
     /// The mean of all passes, linear RGB, row 0 at the top: height * width. Black before the
     /// first pass.
     std::vector<float3> image() const;
+
+    /// Goes on from a state() of a renderer of the same scene, settings and sampler, as if that had
+    /// never stopped: the next passes give the same bits. Throws Error if it cannot be one of this
+    /// image's.
+    void restore(const RenderState& state);
+    RenderState state() const;
 
     const RenderStats& stats() const noexcept;
     const LightSampler& sampler() const noexcept;

@@ -1,0 +1,23 @@
+"""Mitsuba 3 with lightcull: the integrator `lightcull_path`, and what goes with it.
+
+Importing this makes the plugin known to Mitsuba, in whichever variants are set before or after:
+
+>>> import lightcull.mitsuba
+>>> import mitsuba as mi
+>>> mi.set_variant("scalar_rgb")
+>>> scene = mi.load_dict(mi.cornell_box() | {"integrator": {"type": "lightcull_path"}})
+>>> image = mi.render(scene, spp=64)
+
+`lightcull_path` takes the parameters of Mitsuba's `path`, and these: light_sampler (uniform, power,
+light_bvh or culled; default: culled), error_bound (a number or "auto") and sets (a power of 4),
+both of culled. It renders in scalar_rgb, scalar_spectral, llvm_ad_rgb and llvm_ad_spectral, without
+derivatives. It raises lightcull.Error if Mitsuba is missing or of another version.
+"""
+
+from .host import mitsuba as _mitsuba
+from .merge import merge_emitters
+from .scene import MitsubaScene, load_file
+
+__all__ = ["MitsubaScene", "load_file", "merge_emitters"]
+
+_mitsuba()

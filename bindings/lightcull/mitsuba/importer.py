@@ -1,0 +1,247 @@
+"""A Mitsuba scene for our own renderer, as far as that can show it."""
+
+from __future__ import annotations
+
+import re
+import warnings
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from .._core import Error
+from ..loaders.notes import Notes, UnsupportedWarning
+from ..scene import Scene
+from .host import mitsuba
+
+_GREY = (0.5, 0.5, 0.5)
+
+
+def import_scene(source: Any, name: str = "scene") -> Scene:
+    """What `Scene.from_mitsuba` documents."""
+    if "rgb" not in mitsuba().variant():
+        raise Error(f"from_mitsuba: wanted an RGB variant, got {mitsuba().variant()}")
+    return _Import(source, name).run()
+
+
+@dataclass(frozen=True)
+class _Geometry:
+    """Triangles in world space."""
+
+    positions: np.ndarray
+    indices: np.ndarray
+    normals: np.ndarray | None
+    uvs: np.ndarray | None
+
+
+class _Import:
+    """One import under way."""
+
+    def __init__(self, source: Any, name: str) -> None:
+        self._source = source
+        self._scene = Scene(name)
+        self._notes = Notes()
+        self._materials: dict[int, int] = {}
+
+    def run(self) -> Scene:
+        self._add_camera()
+        for shape in self._source.shapes():
+            self._add_shape(shape)
+        for emitter in self._source.emitters():
+            self._add_emitter(emitter)
+        if message := self._notes.message():
+            warnings.warn(f"{self._scene.name}: {message}", UnsupportedWarning, stacklevel=4)
+        return self._scene
+
+    # ---- camera ----------------------------------------------------------------------------------
+
+    def _add_camera(self) -> None:
+        sensor = self._source.sensors()[0]
+        kind, values = sensor.class_name(), _values(sensor)
+        if kind not in ("PerspectiveCamera", "ThinLensCamera"):
+            self._notes.left_out(f"sensor {kind}")
+            return
+        matrix = _matrix(values["to_world"])
+        width, height = sensor.film().size()
+        half_width = np.tan(np.radians(_number(values["x_fov"])) / 2)
+        lens = {}
+        if kind == "ThinLensCamera":
+            lens = {
+                "aperture_radius": _number(values["aperture_radius"]),
+                "focus_distance": _number(values["focus_distance"]),
+            }
+        self._scene.set_camera(
+            origin=matrix[:3, 3],
+            target=matrix[:3, 3] + matrix[:3, 2],
+            up=matrix[:3, 1],
+            vertical_fov=float(2 * np.arctan(half_width * height / width)),
+            **lens,
+        )
+
+    # ---- shapes ----------------------------------------------------------------------------------
+
+    def _add_shape(self, shape: Any) -> None:
+        geometry = _geometry(shape)
+        kind = shape.class_name()
+        if geometry is None:
+            self._notes.left_out(f"shape {kind}" + (" that emits" if shape.is_emitter() else ""))
+            return
+        material = self._material(shape.bsdf())
+        arrays = {"normals": geometry.normals, "uvs": geometry.uvs}
+        where = {"material": material, "name": str(shape.id())}
+        if not shape.is_emitter():
+            self._scene.add_mesh(geometry.positions, geometry.indices, **arrays, **where)
+            return
+        emission = self._emission(shape, geometry)
+        if emission is not None:
+            self._scene.add_light_mesh(
+                geometry.positions, geometry.indices, **arrays, **where, **emission
+            )
+
+    def _emission(self, shape: Any, geometry: _Geometry) -> dict[str, Any] | None:
+        values = _values(shape)
+        if shape.emitter().class_name() == "AreaLight":
+            if "emitter.radiance.value" in values:
+                return {"radiance": _rgb(values["emitter.radiance.value"])}
+            if "face_radiance" in values:
+                each = np.array(values["face_radiance"], np.float32).reshape(-1, 3)
+                return {"radiance": each}
+            if "emitter.radiance.data" in values and geometry.uvs is not None:
+                texture = self._scene.add_texture(_texels(values["emitter.radiance.data"]))
+                return {"radiance": (1.0, 1.0, 1.0), "texture": texture}
+        self._notes.left_out(f"shape with emission by {shape.emitter().class_name()}")
+        return None
+
+    # ---- materials -------------------------------------------------------------------------------
+
+    def _material(self, bsdf: Any) -> int:
+        key = id(bsdf)
+        if key not in self._materials:
+            self._materials[key] = self._new_material(bsdf)
+        return self._materials[key]
+
+    def _new_material(self, bsdf: Any) -> int:
+        kind, values = bsdf.class_name(), _values(bsdf)
+        if kind == "TwoSidedBRDF":
+            # Both sides as the first: ours have no other.
+            values = {k.split(".", 1)[1]: v for k, v in values.items() if k.startswith("brdf_0.")}
+            kind = _kind_of(values)
+        if kind == "SmoothDiffuse":
+            return self._scene.add_material("diffuse", **self._color(values, "reflectance"))
+        if kind == "Principled":
+            return self._scene.add_material(
+                "metallic_roughness",
+                metallic=_number(values.get("metallic.value", 0.0)),
+                roughness=_number(values.get("roughness.value", 0.5)),
+                **self._color(values, "base_color"),
+            )
+        self._notes.left_out(f"material {kind or 'of two sides'}, shown as grey")
+        return self._scene.add_material(base_color=_GREY)
+
+    def _color(self, values: dict[str, Any], name: str) -> dict[str, Any]:
+        if f"{name}.value" in values:
+            return {"base_color": _rgb(values[f"{name}.value"])}
+        if f"{name}.data" in values:
+            texture = self._scene.add_texture(_texels(values[f"{name}.data"]))
+            return {"base_color": (1.0, 1.0, 1.0), "base_color_texture": texture}
+        self._notes.left_out(f"texture of {name}, shown as grey")
+        return {"base_color": _GREY}
+
+    # ---- emitters without a shape ----------------------------------------------------------------
+
+    def _add_emitter(self, emitter: Any) -> None:
+        kind, values = emitter.class_name(), _values(emitter)
+        if kind == "PointLight" and "intensity.value" in values:
+            place = np.array(values["position"], np.float64).reshape(3)
+            self._scene.add_point_light(place, _rgb(values["intensity.value"]))
+        elif kind == "SpotLight" and "intensity.value" in values and "texture.value" in values:
+            self._add_spot(emitter, values)
+        elif kind == "ConstantBackgroundEmitter":
+            self._scene.set_environment(_rgb(values["radiance.value"]))
+        elif kind == "EnvironmentMapEmitter":
+            self._add_environment(values)
+        elif kind != "AreaLight":
+            self._notes.left_out(f"emitter {kind}")
+
+    def _add_spot(self, emitter: Any, values: dict[str, Any]) -> None:
+        matrix = _matrix(values["to_world"])
+        inner, outer = (
+            float(re.search(rf"{name} = ([\d.e+-]+)", str(emitter))[1])  # type: ignore[index]
+            for name in ("beam_width", "cutoff_angle")
+        )
+        direction = matrix[:3, 2]
+        intensity = _rgb(values["intensity.value"])
+        self._notes.remark("spots fade out by another curve")
+        self._scene.add_spot_light(matrix[:3, 3], direction, intensity, inner, outer)
+
+    def _add_environment(self, values: dict[str, Any]) -> None:
+        # Mitsuba repeats the first column at the end, and has -Z there; ours has it in the middle.
+        texels = np.array(values["data"], np.float32)[:, :-1, :3]
+        texels = np.ascontiguousarray(np.roll(texels, texels.shape[1] // 2, axis=1))
+        if not np.allclose(_matrix(values["to_world"])[:3, :3], np.eye(3), atol=1e-5):
+            self._notes.left_out("rotation of the environment")
+        self._scene.set_environment(texels, scale=_number(values["scale"]))
+
+
+def _geometry(shape: Any) -> _Geometry | None:
+    """None for a shape without triangles."""
+    values = _values(shape)
+    if shape.class_name() == "Rectangle":
+        return _rectangle(_matrix(values["to_world"]), shape.has_flipped_normals())
+    if "faces" not in values:
+        return None
+    normals = uvs = None
+    if shape.has_vertex_normals():
+        normals = np.array(values["vertex_normals"], np.float32).reshape(-1, 3)
+    if shape.has_vertex_texcoords():
+        uvs = np.array(values["vertex_texcoords"], np.float32).reshape(-1, 2)
+    indices = np.array(values["faces"], np.uint32).reshape(-1, 3)
+    if shape.has_flipped_normals():
+        indices = np.ascontiguousarray(indices[:, ::-1])
+        normals = None if normals is None else -normals
+    positions = np.array(values["vertex_positions"], np.float32).reshape(-1, 3)
+    return _Geometry(positions, indices, normals, uvs)
+
+
+def _rectangle(matrix: np.ndarray, flipped: bool) -> _Geometry:
+    corners = np.array([[-1, -1, 0, 1], [1, -1, 0, 1], [1, 1, 0, 1], [-1, 1, 0, 1]]) @ matrix.T
+    indices = np.array([[0, 1, 2], [0, 2, 3]], np.uint32)
+    if (np.linalg.det(matrix[:3, :3]) < 0) != flipped:
+        indices = np.ascontiguousarray(indices[:, ::-1])
+    uvs = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], np.float32)
+    return _Geometry(np.ascontiguousarray(corners[:, :3], np.float32), indices, None, uvs)
+
+
+def _values(thing: Any) -> dict[str, Any]:
+    parameters = mitsuba().traverse(thing)
+    return {key: parameters[key] for key in parameters.keys()}  # noqa: SIM118
+
+
+def _kind_of(values: dict[str, Any]) -> str:
+    """The material within one of two sides, which Mitsuba does not name."""
+    if "base_color.value" in values or "base_color.data" in values:
+        return "Principled"
+    only = {key.rsplit(".", 1)[0] for key in values}
+    return "SmoothDiffuse" if only <= {"reflectance", "reflectance.to_uv"} else ""
+
+
+def _texels(data: Any) -> np.ndarray:
+    """Mitsuba's first row is at v = 0, ours at v = 1."""
+    texels = np.array(data, np.float32)
+    if texels.shape[2] == 1:
+        texels = np.repeat(texels, 3, axis=2)
+    return np.ascontiguousarray(texels[::-1, :, :3])
+
+
+def _rgb(value: Any) -> tuple[float, float, float]:
+    numbers = np.array(value, np.float64).ravel()
+    red, green, blue = np.broadcast_to(numbers, 3) if numbers.size == 1 else numbers
+    return float(red), float(green), float(blue)
+
+
+def _number(value: Any) -> float:
+    return float(np.array(value, np.float64).ravel()[0])
+
+
+def _matrix(transform: Any) -> np.ndarray:
+    return np.array(transform.matrix, np.float64).reshape(-1)[:16].reshape(4, 4)

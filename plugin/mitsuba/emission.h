@@ -1,0 +1,50 @@
+#pragma once
+
+#include <lightcull/float3.h>
+
+#include <mitsuba/render/emitter.h>
+#include <mitsuba/render/mesh.h>
+#include <mitsuba/render/shape.h>
+
+#include <cstdint>
+#include <vector>
+
+namespace mitsuba::culling {
+
+/// Mean radiance (luminance, >= 0) that leaves a surface on its two sides.
+struct Emission {
+    float front = 0.0f, back = 0.0f;
+};
+
+/// What a point emits in which directions: `peak` W/sr (luminance) up to `inner` from the axis,
+/// less up to `outer`; radians.
+struct PointEmission {
+    ::lightcull::float3 position, axis{0, 0, 1};
+    float peak = 0.0f, inner = 0.0f, outer = 0.0f;
+};
+
+/// Asks Mitsuba what an emitter emits. All estimates are by few samples, and only selection rests
+/// on them.
+template <typename Float, typename Spectrum>
+class EmissionProbe {
+  public:
+    MI_IMPORT_TYPES(Emitter, Shape, Mesh)
+
+    explicit EmissionProbe(const Emitter* emitter) : emitter_(emitter) {}
+
+    /// Of each triangle of the emitter's mesh.
+    std::vector<Emission> triangles(const Mesh* mesh) const;
+
+    /// Of the emitter's shape, by points sampled on it.
+    Emission shape() const;
+
+    /// Of an emitter that is a point. Its peak is 0 if no light was found.
+    PointEmission point() const;
+
+  private:
+    bool varies() const { return has_flag(emitter_->flags(), EmitterFlags::SpatiallyVarying); }
+
+    const Emitter* emitter_;
+};
+
+}  // namespace mitsuba::culling

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <drjit/array.h>
+#include <drjit/dynamic.h>
+#include <drjit/jit.h>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <vector>
+
+namespace mitsuba::culling {
+
+namespace dr = drjit;
+
+template <typename Float, typename UInt32>
+Float to_float(const UInt32& value) {
+    if constexpr (dr::is_jit_v<Float>) {
+        return Float(value);
+    } else {
+        return static_cast<Float>(value);
+    }
+}
+
+/// Elements of a Dr.Jit array in memory; a single one stands for all.
+template <typename T, typename Array>
+std::vector<T> to_host(const Array& array, std::size_t count) {
+    const auto values = dr::detach(array);
+    const std::size_t width = dr::width(values);
+    const T* data = values.data();
+    dr::sync_thread();
+    if (width == count) return {data, data + count};
+    return std::vector<T>(count, *data);
+}
+
+/// value(i) for each i below `count`, where `value` gives N floats: called on one array in JIT
+/// variants, and once for each number in the others.
+template <std::size_t N, typename Float, typename Value>
+std::array<std::vector<float>, N> evaluate(std::uint32_t count, Value&& value) {
+    using UInt32 = dr::uint32_array_t<Float>;
+    std::array<std::vector<float>, N> result;
+    if constexpr (dr::is_jit_v<Float>) {
+        std::array<Float, N> values = value(dr::arange<UInt32>(count));
+        for (Float& v : values) dr::schedule(v);
+        dr::eval();
+        for (std::size_t k = 0; k < N; ++k) result[k] = to_host<float>(values[k], count);
+    } else {
+        for (auto& column : result) column.resize(count);
+        for (std::uint32_t i = 0; i < count; ++i) {
+            const std::array<Float, N> values = value(UInt32(i));
+            for (std::size_t k = 0; k < N; ++k) result[k][i] = values[k];
+        }
+    }
+    return result;
+}
+
+}  // namespace mitsuba::culling

@@ -1,0 +1,111 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "scene_lights.h"
+
+namespace mitsuba::culling {
+
+/// SceneLights as arrays on the device, for wavefronts.
+template <typename Float, typename Spectrum>
+class LightTables {
+  public:
+    MI_IMPORT_TYPES(Scene, Emitter, EmitterPtr, Shape, ShapePtr)
+
+    /// How an emitter is sampled.
+    static constexpr std::uint32_t kOnlyHit = 0, kTriangles = 1, kWhole = 2, kUnplaced = 3;
+
+    /// What is known of emitters, lane by lane.
+    struct Entry {
+        UInt32 kind;
+        UInt32 first_light;
+        Float prob;  ///< of an unplaced one
+    };
+
+    LightTables(const Scene* scene, const SceneLights<Float, Spectrum>& lights);
+
+    Entry find(const EmitterPtr& emitter, const Mask& active) const {
+        const UInt32 id = dr::reinterpret_array<UInt32>(emitter);
+        return {dr::gather<UInt32>(kinds_, id, active),
+                dr::gather<UInt32>(first_lights_, id, active),
+                dr::gather<Float>(probs_, id, active)};
+    }
+
+    bool has_triangles() const { return has_triangles_; }
+    bool has_wholes() const { return has_wholes_; }
+
+    EmitterPtr emitter(const UInt32& light, const Mask& active) const {
+        return dr::gather<EmitterPtr>(emitters_, light, active);
+    }
+    /// Its place in its mesh; of a light that is no triangle, kNoTriangle.
+    UInt32 triangle(const UInt32& light, const Mask& active) const {
+        return dr::gather<UInt32>(triangles_, light, active);
+    }
+    Point3f corner(std::uint32_t which, const UInt32& light, const Mask& active) const {
+        return dr::gather<Point3f>(corners_[which], light, active);
+    }
+    Float area(const UInt32& light, const Mask& active) const {
+        return dr::gather<Float>(areas_, light, active);
+    }
+
+    static constexpr std::uint32_t kNoTriangle = 0xffffffffu;
+
+  private:
+    using Detached = dr::detached_t<Float>;
+
+    // By the emitter's place in Dr.Jit's registry.
+    UInt32 kinds_, first_lights_;
+    Float probs_;
+    // By light.
+    EmitterPtr emitters_;
+    UInt32 triangles_;
+    Float corners_[3], areas_;
+    bool has_triangles_ = false, has_wholes_ = false;
+};
+
+template <typename Float, typename Spectrum>
+LightTables<Float, Spectrum>::LightTables(const Scene* scene,
+                                          const SceneLights<Float, Spectrum>& lights) {
+    std::uint32_t ids = 1;
+    for (const auto& emitter : scene->emitters()) {
+        ids = std::max(ids, jit_registry_id(emitter.get()) + 1);
+    }
+    std::vector<std::uint32_t> kinds(ids, kOnlyHit), first_lights(ids, 0);
+    std::vector<float> probs(ids, 0.0f);
+    const std::size_t count = lights.lights().size();
+    std::vector<const Emitter*> emitters(count);
+    std::vector<std::uint32_t> triangles(count, kNoTriangle);
+    for (const auto& source : lights.sources()) {
+        const std::uint32_t id = jit_registry_id(source.emitter);
+        kinds[id] = source.mesh ? kTriangles : kWhole;
+        first_lights[id] = source.first;
+        (source.mesh ? has_triangles_ : has_wholes_) = true;
+        for (std::uint32_t i = 0; i < source.count; ++i) {
+            emitters[source.first + i] = source.emitter;
+            if (source.mesh) triangles[source.first + i] = i;
+        }
+    }
+    for (const auto& unplaced : lights.unplaced()) {
+        const std::uint32_t id = jit_registry_id(unplaced.emitter);
+        kinds[id] = kUnplaced;
+        probs[id] = unplaced.prob;
+    }
+    kinds_ = dr::load<UInt32>(kinds.data(), ids);
+    first_lights_ = dr::load<UInt32>(first_lights.data(), ids);
+    probs_ = dr::load<Float>(probs.data(), ids);
+    if (count == 0) return;
+    emitters_ = dr::load<EmitterPtr>(emitters.data(), count);
+    triangles_ = dr::load<UInt32>(triangles.data(), count);
+    std::vector<float> corners[3], areas;
+    for (const auto& [a, b, c, area] : lights.triangles()) {
+        corners[0].insert(corners[0].end(), {a.x, a.y, a.z});
+        corners[1].insert(corners[1].end(), {b.x, b.y, b.z});
+        corners[2].insert(corners[2].end(), {c.x, c.y, c.z});
+        areas.push_back(area);
+    }
+    for (int k = 0; k < 3; ++k) corners_[k] = dr::load<Float>(corners[k].data(), corners[k].size());
+    areas_ = dr::load<Float>(areas.data(), areas.size());
+}
+
+}  // namespace mitsuba::culling

@@ -1,0 +1,237 @@
+#include "path_scalar.h"
+
+#include <lightcull/samplers.h>
+
+#include <mitsuba/core/warp.h>
+
+#include <cmath>
+
+#include "triangle_point.h"
+#include "variants.h"
+
+namespace mitsuba::culling {
+namespace {
+
+using ::lightcull::Receipt;
+using ::lightcull::Selection;
+using ::lightcull::ShadingPoint;
+
+/// One path, from the camera to its end. Where lights come in, and depths, roulette and weights,
+/// it does what Mitsuba's `path` does.
+template <typename Float, typename Spectrum>
+class ScalarPath {
+  public:
+    MI_IMPORT_TYPES(Scene, Sampler, Emitter, BSDF)
+
+    ScalarPath(const PathSetup<Float, Spectrum>& setup, Sampler* sampler, const PathSets& sets)
+        : setup_(setup), sampler_(sampler), sets_(sets) {}
+
+    std::pair<Spectrum, bool> trace(const RayDifferential3f& camera_ray) {
+        if (setup_.max_depth == 0) return {Spectrum(0.0f), false};
+        ray_ = Ray3f(camera_ray);
+        valid_ = !setup_.hide_emitters && setup_.scene->environment() != nullptr;
+        PreliminaryIntersection3f hit =
+            setup_.scene->ray_intersect_preliminary(ray_, true, false, 0, 0, true);
+        if (setup_.hide_emitters) hit = behind_emitters(hit);
+        while (true) {
+            si_ = hit.compute_surface_interaction(ray_, +RayFlags::All);
+            add_emission();
+            if (depth_ + 1 >= setup_.max_depth || !si_.is_valid()) {
+                valid_ |= si_.emitter(setup_.scene) != nullptr && !setup_.hide_emitters;
+                break;
+            }
+            if (!shade(camera_ray)) break;
+            hit = setup_.scene->ray_intersect_preliminary(ray_, false, false, 0, 0, true);
+        }
+        return {valid_ ? result_ : Spectrum(0.0f), valid_};
+    }
+
+  private:
+    /// What a ray sees of the scene if the lamps in front of it are not there.
+    PreliminaryIntersection3f behind_emitters(PreliminaryIntersection3f hit) const {
+        if (!hit.is_valid() || !hit.shape->is_emitter()) return hit;
+        const SurfaceInteraction3f si = hit.compute_surface_interaction(ray_, +RayFlags::Minimal);
+        return setup_.integrator->skip_area_emitters(setup_.scene, si.spawn_ray(ray_.d), true);
+    }
+
+    /// Of what the ray has hit, or of the environment.
+    void add_emission() {
+        const Emitter* emitter = si_.emitter(setup_.scene);
+        if (!emitter || !(bsdf_pdf_ > 0.0f)) return;
+        const Spectrum radiance = emitter->eval(si_);
+        const Float weight = weigh_ ? mis_weight(bsdf_pdf_, light_pdf(emitter)) : Float(1.0f);
+        result_ += throughput_ * radiance * weight;
+    }
+
+    /// The density with which the last vertex would have sampled what was hit as a light.
+    Float light_pdf(const Emitter* emitter) const {
+        const DirectionSample3f ds(setup_.scene, si_, last_);
+        const auto* source = setup_.lights->find(emitter);
+        if (!source) {
+            const Float prob = setup_.lights->unplaced_prob(emitter);
+            return prob > 0.0f ? prob * emitter->pdf_direction(last_, ds) : 0.0f;
+        }
+        const std::uint32_t light = source->first + (source->mesh ? si_.prim_index : 0);
+        const Float prob = setup_.selector->prob(point_, receipt_, light);
+        if (!source->mesh) return prob * emitter->pdf_direction(last_, ds);
+        return prob * triangle_pdf(light, si_.n, ds.d, ds.dist);
+    }
+
+    /// Solid angle density of a point sampled uniformly on a triangle.
+    Float triangle_pdf(std::uint32_t light, const Normal3f& normal, const Vector3f& direction,
+                       Float distance) const {
+        const Float area = setup_.lights->triangles()[light].area;
+        return dr::square(distance) / (area * dr::abs(dr::dot(normal, direction)));
+    }
+
+    /// Adds direct light at si_, and scatters; false if the path ends here.
+    bool shade(const RayDifferential3f& camera_ray) {
+        const BSDF* bsdf = si_.bsdf(depth_ == 0 ? camera_ray : RayDifferential3f(ray_));
+        const std::uint32_t flags = bsdf->flags();
+        const bool smooth = has_flag(flags, BSDFFlags::Smooth);
+        if (smooth) {
+            select_light(flags);
+            add_light(bsdf);
+            add_unplaced(bsdf);
+        }
+        const auto [sample, weight] =
+            bsdf->sample(BSDFContext(), si_, sampler_->next_1d(), sampler_->next_2d());
+        ray_ = si_.spawn_ray(si_.to_world(sample.wo));
+        throughput_ *= weight;
+        eta_ *= sample.eta;
+        valid_ |= !has_flag(sample.sampled_type, BSDFFlags::Null);
+        last_ = Interaction3f(si_);
+        bsdf_pdf_ = sample.pdf;
+        weigh_ = smooth && !has_flag(sample.sampled_type, BSDFFlags::Delta);
+        ++depth_;
+        return survives();
+    }
+
+    void select_light(std::uint32_t bsdf_flags) {
+        point_.position = {si_.p.x(), si_.p.y(), si_.p.z()};
+        const Normal3f n = dr::mulsign(si_.sh_frame.n, Frame3f::cos_theta(si_.wi));
+        point_.normal = {n.x(), n.y(), n.z()};
+        if ((bsdf_flags & kSmoothTransmission) != 0) point_.normal = {0, 0, 0};
+        const std::uint32_t sets = setup_.selector->set_count();
+        point_.set =
+            depth_ == 0 ? sets_.camera : ::lightcull::set_of_packet(sets_.packet + depth_, sets);
+        selection_ = {};
+        if (!setup_.lights->lights().empty()) {
+            selection_ = setup_.selector->select(point_, sampler_->next_1d());
+        }
+        receipt_ = selection_.receipt;
+    }
+
+    void add_light(const BSDF* bsdf) {
+        if (!(selection_.prob > 0.0f)) return;
+        const auto& source = setup_.lights->source_of(selection_.light);
+        const Float prob = setup_.selector->prob_is_proxy()
+                               ? setup_.selector->prob(point_, receipt_, selection_.light)
+                               : selection_.prob;
+        if (source.mesh) {
+            add_triangle(bsdf, source, prob);
+        } else {
+            add_whole(bsdf, source.emitter, selection_.prob, prob);
+        }
+    }
+
+    /// Light from a point on the triangle that was chosen; `prob` is the one to weigh it with.
+    void add_triangle(const BSDF* bsdf, const typename SceneLights<Float, Spectrum>::Source& source,
+                      Float prob) {
+        const auto& [a, b, c, area] = setup_.lights->triangles()[selection_.light];
+        const Point2f uv = warp::square_to_uniform_triangle(sampler_->next_2d());
+        const Point3f p0(a.x, a.y, a.z), p1(b.x, b.y, b.z), p2(c.x, c.y, c.z);
+        const Point3f p = p0 * (1.0f - uv.x() - uv.y()) + p1 * uv.x() + p2 * uv.y();
+        const Vector3f way = p - si_.p;
+        const Float distance = dr::norm(way);
+        if (!(distance > 0.0f)) return;
+        const Vector3f direction = way / distance;
+        SurfaceInteraction3f at =
+            triangle_point<Float, Spectrum>(source.mesh, selection_.light - source.first, uv);
+        at.wi = at.to_local(-direction);
+        at.wavelengths = ray_.wavelengths;
+        at.time = ray_.time;
+        const Spectrum radiance = source.emitter->eval(at);
+        const Float pdf = triangle_pdf(selection_.light, at.n, direction, distance);
+        if (!std::isfinite(pdf) || dr::all(unpolarized_spectrum(radiance) == 0.0f)) return;
+        const Spectrum weight = radiance / (selection_.prob * pdf);
+        add_if_visible(bsdf, p, direction, weight, prob * pdf, false);
+    }
+
+    /// Light from an emitter that Mitsuba samples.
+    void add_whole(const BSDF* bsdf, const Emitter* emitter, Float select_prob, Float mis_prob) {
+        const auto [ds, weight] = emitter->sample_direction(si_, sampler_->next_2d());
+        if (!(ds.pdf > 0.0f)) return;
+        add_if_visible(bsdf, ds.p, ds.d, weight / select_prob, mis_prob * ds.pdf, ds.delta);
+    }
+
+    void add_unplaced(const BSDF* bsdf) {
+        const auto& unplaced = setup_.lights->unplaced();
+        if (unplaced.empty()) return;
+        std::size_t chosen = 0;
+        if (unplaced.size() > 1) {
+            Float u = sampler_->next_1d();
+            while (chosen + 1 < unplaced.size() && u >= unplaced[chosen].prob) {
+                u -= unplaced[chosen++].prob;
+            }
+        }
+        const auto& [emitter, prob] = unplaced[chosen];
+        add_whole(bsdf, emitter, prob, prob);
+    }
+
+    /// `weight` is radiance by the density of the sample, `pdf` the density to weigh it with.
+    void add_if_visible(const BSDF* bsdf, const Point3f& p, const Vector3f& direction,
+                        const Spectrum& weight, Float pdf, bool is_delta) {
+        const Vector3f wo = si_.to_local(direction);
+        const auto [value, bsdf_pdf] = bsdf->eval_pdf(BSDFContext(), si_, wo);
+        if (dr::all(unpolarized_spectrum(value) == 0.0f)) return;
+        if (setup_.scene->ray_test(si_.spawn_ray_to(p))) return;
+        const Float mis = is_delta ? Float(1.0f) : mis_weight(pdf, bsdf_pdf);
+        result_ += throughput_ * value * weight * mis;
+    }
+
+    bool survives() {
+        const Float largest = dr::max(unpolarized_spectrum(throughput_));
+        if (!(largest > 0.0f)) return false;
+        if (depth_ < setup_.rr_depth) return true;
+        const Float survival = dr::minimum(largest * dr::square(eta_), 0.95f);
+        if (sampler_->next_1d() >= survival) return false;
+        throughput_ *= dr::rcp(survival);
+        return true;
+    }
+
+    const PathSetup<Float, Spectrum>& setup_;
+    Sampler* sampler_;
+    PathSets sets_;
+    Ray3f ray_;
+    SurfaceInteraction3f si_;
+    Spectrum throughput_{1.0f}, result_{0.0f};
+    Float eta_ = 1.0f;
+    std::uint32_t depth_ = 0;
+    bool valid_ = false;
+    // Of the last vertex, for the weight of what its ray hits.
+    Interaction3f last_ = dr::zeros<Interaction3f>();
+    Float bsdf_pdf_ = 1.0f;
+    bool weigh_ = false;
+    ShadingPoint point_;
+    Receipt receipt_;
+    Selection selection_;
+};
+
+}  // namespace
+
+template <typename Float, typename Spectrum>
+std::pair<Spectrum, bool> trace_path(const PathSetup<Float, Spectrum>& setup,
+                                     Sampler<Float, Spectrum>* sampler,
+                                     const RayDifferential<Point<Float, 3>, Spectrum>& ray,
+                                     const PathSets& sets) {
+    return ScalarPath<Float, Spectrum>(setup, sampler, sets).trace(ray);
+}
+
+#define INSTANTIATE(Float, Spectrum)                                  \
+    template std::pair<Spectrum, bool> trace_path<Float, Spectrum>(   \
+        const PathSetup<Float, Spectrum>&, Sampler<Float, Spectrum>*, \
+        const RayDifferential<Point<Float, 3>, Spectrum>&, const PathSets&);
+LIGHTCULL_SCALAR_VARIANTS(INSTANTIATE)
+
+}  // namespace mitsuba::culling

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <lightcull/light_sampler.h>
+
+#include <mitsuba/render/bsdf.h>
+#include <mitsuba/render/integrator.h>
+
+#include <cstdint>
+
+#include "scene_lights.h"
+
+namespace mitsuba::culling {
+
+template <typename Float, typename Spectrum>
+class LightTables;
+
+/// What the paths of one render have in common.
+template <typename Float, typename Spectrum>
+struct PathSetup {
+    const Integrator<Float, Spectrum>* integrator = nullptr;
+    const Scene<Float, Spectrum>* scene = nullptr;
+    const SceneLights<Float, Spectrum>* lights = nullptr;
+    const ::lightcull::LightSampler* selector = nullptr;
+    const LightTables<Float, Spectrum>* tables = nullptr;  ///< of a wavefront only
+    std::uint32_t max_depth = 0;                           ///< as of Mitsuba's `path`, all three
+    std::uint32_t rr_depth = 0;
+    bool hide_emitters = false;
+};
+
+/// The set of random ranges that a path uses at its camera point, and where those of its later
+/// points start.
+struct PathSets {
+    std::uint32_t camera = 0;
+    std::uint32_t packet = 0;
+};
+
+/// Light from behind counts for a BSDF with one of these.
+inline constexpr std::uint32_t kSmoothTransmission =
+    BSDFFlags::DiffuseTransmission | BSDFFlags::GlossyTransmission;
+
+/// The power heuristic; 0 where neither technique can.
+template <typename Float>
+Float mis_weight(const Float& pdf, const Float& other_pdf) {
+    const Float a = dr::square(pdf), b = dr::square(other_pdf), weight = a / (a + b);
+    return dr::select(dr::isfinite(weight), weight, 0.0f);
+}
+
+}  // namespace mitsuba::culling

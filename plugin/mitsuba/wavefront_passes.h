@@ -1,0 +1,96 @@
+#pragma once
+
+#include <lightcull/light_sampler.h>
+
+#include <mitsuba/render/film.h>
+#include <mitsuba/render/imageblock.h>
+#include <mitsuba/render/sampler.h>
+#include <mitsuba/render/sensor.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+#include "pass_samples.h"
+#include "path_wavefront.h"
+
+namespace mitsuba::culling {
+
+/// LLVM variants: passes of some samples for every pixel, each pass one wavefront.
+template <typename Float, typename Spectrum>
+class WavefrontPasses {
+  public:
+    MI_IMPORT_TYPES(Sensor, Film, ImageBlock, Sampler)
+
+    /// size: pixels, with the border. range_sets: of the light sampler.
+    WavefrontPasses(Sensor* sensor, const ScalarVector2u& size, std::uint32_t seed,
+                    std::uint32_t spp, std::uint32_t range_sets)
+        : film_(sensor->film()), sampler_(sensor->sampler()), block_(film_->create_block()) {
+        const std::uint32_t pixels = dr::prod(size);
+        const std::uint32_t samples =
+            samples_per_pass(std::min(kMostLanes / pixels, kMostSamples), spp, range_sets);
+        const std::uint32_t lanes = pixels * samples;
+        count_ = spp / samples;
+        sampler_->set_samples_per_wavefront(samples);
+        sampler_->seed(seed, lanes);
+        block_->set_offset(film_->crop_offset());
+        block_->set_coalesce(block_->coalesce() && samples >= kFewestToCoalesce);
+        place(size, samples, lanes);
+        choose_sets(size.x(), samples, lanes, range_sets);
+    }
+
+    std::uint32_t count() const { return count_; }
+    /// Of each lane.
+    const std::vector<PathSets>& sets() const { return sets_; }
+    WavefrontMemory& memory() { return memory_; }
+    Sampler* sampler() const { return sampler_; }
+    ImageBlock* block() const { return const_cast<ImageBlock*>(block_.get()); }
+    /// Corner of each lane's pixel on the film.
+    const Vector2f& corners() const { return corners_; }
+
+    /// To be called after each pass.
+    void advance() {
+        sampler_->advance();
+        sampler_->schedule_state();
+        dr::eval(block_->tensor());
+        dr::sync_thread();  // kernels read memory_
+    }
+
+    void finish() { film_->put_block(block_); }
+
+  private:
+    /// So many lanes keep all threads busy, and fit into memory (some 500 bytes each).
+    static constexpr std::uint32_t kMostLanes = 1u << 20;
+    static constexpr std::uint32_t kMostSamples = 64;  // sets_of_sample() takes no more
+    static constexpr std::uint32_t kFewestToCoalesce = 4;
+
+    void place(const ScalarVector2u& size, std::uint32_t samples, std::uint32_t lanes) {
+        const UInt32 pixel = dr::arange<UInt32>(lanes) / dr::opaque<UInt32>(samples);
+        Vector2i place;
+        place.y() = Int32(pixel / size.x());
+        place.x() = Int32(pixel) - place.y() * Int32(size.x());
+        if (film_->sample_border()) place -= Int32(film_->rfilter()->border_size());
+        place += Vector2i(film_->crop_offset());
+        corners_ = Vector2f(place);
+        dr::eval(corners_);
+    }
+
+    void choose_sets(std::uint32_t width, std::uint32_t samples, std::uint32_t lanes,
+                     std::uint32_t range_sets) {
+        sets_.resize(lanes);
+        for (std::uint32_t lane = 0; lane < lanes; ++lane) {
+            const std::uint32_t pixel = lane / samples;
+            sets_[lane] = sets_of_sample(pixel % width, pixel / width, lane % samples, range_sets);
+        }
+    }
+
+    Film* film_;
+    Sampler* sampler_;
+    ref<ImageBlock> block_;
+    std::uint32_t count_ = 1;
+    Vector2f corners_;
+    std::vector<PathSets> sets_;
+    WavefrontMemory memory_;
+};
+
+}  // namespace mitsuba::culling

@@ -1,0 +1,115 @@
+"""Measures `lightcull_path` against Mitsuba's `path` in equal time. Not a test: it takes minutes.
+
+    python tests/hosts/equal_time.py lanterns scalar_rgb --seconds 60
+    python tests/hosts/equal_time.py lanterns llvm_ad_rgb --seconds 60
+    python tests/hosts/equal_time.py cornell scalar_rgb --seconds 60
+
+The integrators take turns; a render's set-up counts. In scalar_rgb every triangle of `lanterns` is
+an emitter of its own; in llvm_ad_rgb they are one mesh with a texel for each, which `path` can
+sample. Efficiency is 1 / (relMSE x seconds).
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from typing import Any
+
+import lightcull.mitsuba  # noqa: F401
+import mitsuba as mi
+import numpy as np
+from lightcull.report.metrics import relmse, relmse_of_mean
+from mitsuba_export import export
+
+REFERENCE_SEED = 1 << 20
+
+
+class Contender:
+    """The mean of its renders so far, and the time that they took."""
+
+    def __init__(self, scene: Any, integrator: Any, spp: int) -> None:
+        self._scene, self.integrator, self._spp = scene, integrator, spp
+        self._sum: Any = 0.0
+        self.renders, self.seconds, self.processor_seconds = 0, 0.0, 0.0
+        mi.render(scene, integrator=integrator, spp=spp)  # compiles kernels
+
+    def render(self, seed: int) -> None:
+        start, processor_start = time.perf_counter(), time.process_time()
+        image = mi.render(self._scene, integrator=self.integrator, spp=self._spp, seed=seed)
+        self._sum = self._sum + np.array(image)[..., :3].astype(np.float64)
+        self.seconds += time.perf_counter() - start
+        self.processor_seconds += time.process_time() - processor_start
+        self.renders += 1
+
+    @property
+    def spp(self) -> int:
+        return self.renders * self._spp
+
+    @property
+    def image(self) -> np.ndarray:
+        return self._sum / self.renders
+
+
+def load(name: str, variant: str, size: tuple[int, int]) -> Any:
+    if name == "cornell":
+        scene = mi.cornell_box()
+        film = scene["sensor"]["film"] | {"width": size[0], "height": size[0]}
+        return mi.load_dict(scene | {"sensor": scene["sensor"] | {"film": film}})
+    return mi.load_dict(export(name, "triangles" if "scalar" in variant else "texture", size))
+
+
+def turns(contenders: list[Contender], seconds: float) -> None:
+    """Always the one that has had the least."""
+    while (least := min(contenders, key=lambda c: c.seconds)).seconds < seconds:
+        least.render(1 + least.renders)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("scene", choices=["lanterns", "city", "cornell"])
+    parser.add_argument("variant", choices=["scalar_rgb", "llvm_ad_rgb"])
+    parser.add_argument("--seconds", type=float, default=60)
+    parser.add_argument("--size", type=int, nargs=2, default=(320, 240))
+    parser.add_argument("--max-depth", type=int, default=2)
+    parser.add_argument("--spp", type=int, default=16, help="of a turn")
+    parser.add_argument(
+        "--integrators", nargs="+", default=["path", "uniform", "light_bvh", "culled"]
+    )
+    options = parser.parse_args()
+
+    mi.set_variant(options.variant)
+    scene = load(options.scene, options.variant, tuple(options.size))
+    integrators = {
+        "path": {"type": "path"},
+        "uniform": {"type": "lightcull_path", "light_sampler": "uniform"},
+        "light_bvh": {"type": "lightcull_path", "light_sampler": "light_bvh"},
+        "culled": {"type": "lightcull_path"},
+    }
+    contenders = {
+        name: Contender(scene, mi.load_dict(d | {"max_depth": options.max_depth}), options.spp)
+        for name, d in integrators.items()
+        if name in options.integrators
+    }
+    turns(list(contenders.values()), options.seconds)
+    # By the best one, in two halves with seeds of their own: how they differ tells what the
+    # reference itself adds to an error, which is taken off.
+    halves = [Contender(scene, contenders["culled"].integrator, options.spp) for _ in range(2)]
+    for i, half in enumerate(halves):
+        while half.seconds < 2 * options.seconds:
+            half.render(REFERENCE_SEED * (i + 1) + half.renders)
+    reference = 0.5 * (halves[0].image + halves[1].image)
+    own = relmse_of_mean(halves[0].image, halves[1].image)
+    path = contenders["path"]
+    path_error = relmse(path.image, reference) - own
+    for name, c in contenders.items():
+        error = relmse(c.image, reference) - own
+        gain = path_error * path.seconds / (error * c.seconds)
+        processor_gain = path_error * path.processor_seconds / (error * c.processor_seconds)
+        print(
+            f"{name:10} {c.spp:6} spp in {c.seconds:6.1f} s  relMSE {error:8.4g}  "
+            f"mean {c.image.mean():.4f}  x path {gain:.3g} (by processor time {processor_gain:.3g})"
+        )
+
+
+if __name__ == "__main__":
+    main()

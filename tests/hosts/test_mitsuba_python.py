@@ -1,0 +1,196 @@
+"""What goes with the plugin: merging emitters, the import of scenes, the command line."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+mi = pytest.importorskip("mitsuba", reason="Mitsuba is not installed")
+
+import lightcull  # noqa: E402
+import lightcull.mitsuba  # noqa: E402
+import mitsuba_scenes as scenes  # noqa: E402
+
+ROOT = Path(__file__).parents[2]
+
+SCENE_XML = """
+<scene version="3.0.0">
+  <integrator type="path"><integer name="max_depth" value="2"/></integrator>
+  <sensor type="perspective">
+    <float name="fov" value="45"/>
+    <transform name="to_world">
+      <lookat origin="0, 2.5, 7" target="0, 0.8, 0" up="0, 1, 0"/>
+    </transform>
+    <film type="hdrfilm">
+      <integer name="width" value="32"/><integer name="height" value="24"/>
+    </film>
+  </sensor>
+  <shape type="rectangle">
+    <transform name="to_world"><rotate x="1" angle="-90"/><scale value="5"/></transform>
+  </shape>
+  <shape type="rectangle">
+    <transform name="to_world">
+      <scale value="0.3"/><rotate x="1" angle="90"/><translate y="3"/>
+    </transform>
+    <emitter type="area"><rgb name="radiance" value="9, 8, 7"/></emitter>
+  </shape>
+</scene>
+"""
+
+
+def render(scene: Any, spp: int = 512, **options: Any) -> np.ndarray:
+    integrator = mi.load_dict({"type": "lightcull_path", "max_depth": 3, **options})
+    return np.array(mi.render(mi.load_dict(scene), integrator=integrator, spp=spp))[..., :3]
+
+
+def bulbs(colors: int) -> scenes.SceneDict:
+    """Small emitters of all shapes that can be merged, some of them mirrored or flipped."""
+    random = np.random.default_rng(2)
+    palette = random.uniform(5, 40, (colors, 3)).tolist()
+    scene = scenes.stage()
+    for i in range(120):
+        place = [float(x) for x in random.uniform((-2, 0.5, -2), (2, 3, 2))]
+        size = [-0.06, 0.08, 0.06] if i % 2 else [0.06, 0.08, 0.06]
+        turn = scenes.transform().translate(place).rotate([1, 0.5, 0], 40 * i).scale(size)
+        scene[f"bulb{i}"] = {
+            "type": ("rectangle", "cube")[i // 2 % 2],
+            "to_world": turn,
+            "flip_normals": i % 5 == 0,
+            "emitter": scenes.area(*palette[i % colors]),
+        }
+    return scene
+
+
+@pytest.mark.parametrize(("colors", "most_shapes"), [(5, 13), (40, 5)])
+def test_merged_emitters_give_the_same_light(colors: int, most_shapes: int) -> None:
+    mi.set_variant("scalar_rgb")
+    scene = bulbs(colors)
+    merged = lightcull.mitsuba.merge_emitters(scene)
+    shapes = len(mi.load_dict(merged).shapes())
+    assert shapes - 3 <= most_shapes
+    apart, together = render(scene), render(merged)
+    assert np.allclose(apart.mean(axis=(0, 1)), together.mean(axis=(0, 1)), rtol=0.02)
+    assert np.abs(apart - together).mean() < 0.1 * apart.mean()
+
+
+def test_what_cannot_be_merged_stays() -> None:
+    mi.set_variant("scalar_rgb")
+    scene = scenes.round_lamps() | scenes.textured_lamps()
+    merged = lightcull.mitsuba.merge_emitters(scene)
+    assert merged["globe"] is scene["globe"]
+    assert merged["screen"] is scene["screen"]
+    assert "cube" not in merged
+
+
+def test_many_spectral_radiances_are_refused() -> None:
+    mi.set_variant("scalar_spectral")
+    with pytest.raises(lightcull.Error, match="in an RGB variant"):
+        lightcull.mitsuba.merge_emitters(bulbs(40))
+
+
+@pytest.mark.parametrize(
+    ("make", "depth"),
+    [
+        (scenes.cornell, 4),
+        (scenes.attribute_lamps, 3),
+        (scenes.textured_lamps, 3),
+        (scenes.environment, 3),
+    ],
+)
+def test_an_imported_scene_looks_the_same(make: Any, depth: int) -> None:
+    mi.set_variant("scalar_rgb")
+    scene = make()
+    scene.pop("ball", None)
+    ours = lightcull.Scene.from_mitsuba(mi.load_dict(scene))
+    image = lightcull.render(ours, spp=256, size=scenes.SIZE, max_depth=depth).image
+    expected = render(scene, spp=256, max_depth=depth)
+    assert np.allclose(image.mean(axis=(0, 1)), expected.mean(axis=(0, 1)), rtol=0.03)
+    assert np.abs(image - expected).mean() < 0.15 * expected.mean()
+
+
+def test_an_import_names_what_it_leaves_out() -> None:
+    mi.set_variant("scalar_rgb")
+    with pytest.warns(lightcull.UnsupportedWarning) as record:
+        lightcull.Scene.from_mitsuba(mi.load_dict(scenes.round_lamps() | scenes.glass()))
+    message = str(record[0].message)
+    for thing in ("Sphere", "Disk", "Cylinder", "ThinDielectric"):
+        assert thing in message
+
+
+def command(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-m", "lightcull", *arguments],
+        cwd=folder,
+        env={**os.environ, "XDG_CACHE_HOME": str(folder / "cache")},
+        capture_output=True,
+        text=True,
+        timeout=300,
+    )
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    (tmp_path / "scene.xml").write_text(SCENE_XML)
+    return tmp_path
+
+
+def test_command_render(folder: Path) -> None:
+    done = command(folder, "render", "scene.xml", "--spp", "11", "-o", "scene.exr")
+    assert done.returncode == 0, done.stderr
+    assert "32x24, 11 samples per pixel" in done.stdout
+    image = lightcull.read_image(folder / "scene.exr")
+    assert image.shape == (24, 32, 3) and image.mean() > 0.01
+
+
+def test_command_compare(folder: Path) -> None:
+    done = command(
+        folder, "compare", "--host", "mitsuba", "scene.xml", "--samplers", "path,culled",
+        "--spp", "16", "-o", "report",
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    samplers = json.loads((folder / "report/report.json").read_text())["samplers"]
+    assert list(samplers) == ["path", "culled"]
+    assert all(figures["relmse"] < 1 for figures in samplers.values())
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("render", "missing.xml"), "no such file"),
+        (("render", "scene.xml", "--variant", "scalar_foo"), "no variant 'scalar_foo'"),
+        (("render", "scene.xml", "--sampler", "exhaustive"), 'no light_sampler "exhaustive"'),
+        (("compare", "--host", "mitsuba", "cornell"), "for an .xml scene"),
+        (("render", "cornell", "--sampler", "path"), "sampler 'path'"),
+    ],
+)
+def test_command_errors(folder: Path, arguments: tuple[str, ...], said: str) -> None:
+    done = command(folder, *arguments)
+    assert done.returncode == 1
+    assert said in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_example_of_fairy_lights(tmp_path: Path) -> None:
+    program = ROOT / "examples/mitsuba_fairy_lights.py"
+    done = subprocess.run(
+        [sys.executable, program, "--seconds", "1", "--size", "48", "36", "-o", tmp_path],
+        capture_output=True,
+        text=True,
+        timeout=300,
+    )
+    assert done.returncode == 0, done.stderr
+    for name in ("path", "lightcull_path"):
+        assert (tmp_path / f"fairy_lights_{name}.png").stat().st_size > 1000
+
+
+def test_import_says_what_is_missing() -> None:
+    program = "import sys; sys.modules['mitsuba'] = None; import lightcull.mitsuba"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert "pip install mitsuba==3.8.0" in done.stderr

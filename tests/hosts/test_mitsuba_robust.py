@@ -1,0 +1,213 @@
+"""What users bring: scenes without light, with broken light, many renders, many threads."""
+
+from __future__ import annotations
+
+import gc
+import subprocess
+import sys
+import threading
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+mi = pytest.importorskip("mitsuba", reason="Mitsuba is not installed")
+
+import lightcull.mitsuba  # noqa: E402, F401
+import mitsuba_scenes as scenes  # noqa: E402
+
+VARIANTS = ("scalar_rgb", "llvm_ad_rgb")
+
+
+def render(scene: Any, spp: int = 16, seed: int = 0, **options: Any) -> np.ndarray:
+    integrator = mi.load_dict({"type": "lightcull_path", "max_depth": 3, **options})
+    loaded = mi.load_dict(scene) if isinstance(scene, dict) else scene
+    return np.array(mi.render(loaded, integrator=integrator, spp=spp, seed=seed))
+
+
+@pytest.fixture(params=VARIANTS)
+def variant(request: pytest.FixtureRequest) -> str:
+    mi.set_variant(request.param)
+    return request.param
+
+
+def test_no_lights_is_black(variant: str) -> None:
+    assert (render(scenes.stage()) == 0).all()
+
+
+def test_one_light(variant: str) -> None:
+    image = render(scenes.stage() | scenes.lamps(1))
+    assert np.isfinite(image).all() and image.mean() > 0.01
+
+
+def test_a_light_without_power_changes_nothing(variant: str) -> None:
+    dark = {
+        "dark point": {"type": "point", "position": [0, 1, 0], "intensity": scenes.rgb(0.0)},
+        "dark lamp": scenes.rectangle([1, 2, 1], 0.1, scenes.area(0.0)),
+    }
+    lit = render(scenes.stage() | scenes.lamps(2), spp=512)
+    both = render(scenes.stage() | scenes.lamps(2) | dark, spp=512)
+    assert abs(both.mean() / lit.mean() - 1) < 0.02
+    assert (render(scenes.stage() | dark) == 0).all()
+
+
+def test_a_degenerate_triangle_is_no_light(variant: str) -> None:
+    centers = np.float32([[0, 3, 0], [1, 3, 0]])
+    mesh = scenes.quads(centers, 0.4, scenes.rgb(9, 9, 9))
+    parameters = mi.traverse(mesh)
+    faces = np.array(parameters["faces"])
+    faces[-3:] = (5, 5, 6)
+    parameters["faces"] = faces
+    parameters.update()
+    image = render(scenes.stage() | {"lamps": mesh})
+    assert np.isfinite(image).all() and image.mean() > 0.01
+
+
+def test_radiance_that_is_no_number_names_its_shape(variant: str) -> None:
+    texels = np.full((2, 2, 3), np.nan, np.float32)
+    broken = {"type": "bitmap", "bitmap": mi.Bitmap(texels), "raw": True}
+    lamp = scenes.rectangle([0, 3, 0], 0.5, {"type": "area", "radiance": broken})
+    with pytest.raises(RuntimeError) as error:
+        render(scenes.stage() | {"broken lamp": lamp})
+    assert "broken lamp" in _messages(error.value) and "not finite" in _messages(error.value)
+
+
+def test_a_place_that_is_no_number_names_its_shape(variant: str) -> None:
+    mesh = scenes.quads(np.float32([[0, 3, 0]]), 0.4, scenes.rgb(9, 9, 9))
+    mesh.set_id("lost lamp")
+    parameters = mi.traverse(mesh)
+    positions = np.array(parameters["vertex_positions"])
+    positions[4] = np.nan
+    parameters["vertex_positions"] = positions
+    parameters.update()
+    with pytest.raises(RuntimeError) as error:
+        render(scenes.stage() | {"lost lamp": mesh})
+    assert "lost lamp" in _messages(error.value)
+
+
+def _messages(error: BaseException | None) -> str:
+    """Of an error and of all that led to it."""
+    text = ""
+    while error is not None:
+        text += str(error)
+        error = error.__cause__ or error.__context__
+    return text
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"light_sampler": "best"}, "there are uniform, power, light_bvh, culled"),
+        ({"error_bound": "much"}, 'wanted a number or "auto"'),
+        ({"error_bound": -1.0}, "above 0"),
+        ({"sets": 5}, "power of 4"),
+        ({"light_sampler": "power", "sets": 16}, "no option 'sets'"),
+    ],
+)
+def test_wrong_parameters_are_named(options: dict[str, Any], said: str) -> None:
+    mi.set_variant("scalar_rgb")
+    with pytest.raises(RuntimeError, match=said):
+        mi.load_dict({"type": "lightcull_path", **options})
+
+
+def test_other_variants_refuse() -> None:
+    mi.set_variant("llvm_ad_mono")
+    with pytest.raises(RuntimeError, match="scalar_rgb, scalar_spectral, llvm_ad_rgb"):
+        mi.load_dict({"type": "lightcull_path"})
+
+
+def test_derivatives_are_refused() -> None:
+    import drjit as dr
+
+    mi.set_variant("llvm_ad_rgb")
+    scene = mi.load_dict(scenes.stage() | scenes.lamps(1))
+    parameters = mi.traverse(scene)
+    key = "floor.bsdf.reflectance.value"
+    dr.enable_grad(parameters[key])
+    integrator = mi.load_dict({"type": "lightcull_path", "max_depth": 2})
+    image = mi.render(scene, parameters, integrator=integrator, spp=2)
+    with pytest.raises(RuntimeError) as error:
+        dr.backward(dr.mean(image, axis=None))
+    assert "no derivatives" in _messages(error.value)
+
+
+def test_within_another_integrator_is_refused() -> None:
+    mi.set_variant("scalar_rgb")
+    aov = {"type": "aov", "aovs": "d:depth", "inner": {"type": "lightcull_path"}}
+    with pytest.raises(RuntimeError) as error:
+        scene = mi.load_dict(scenes.stage() | scenes.lamps(1))
+        mi.render(scene, integrator=mi.load_dict(aov), spp=1)
+    assert "not one within another" in _messages(error.value)
+
+
+def test_equal_seeds_give_equal_images(variant: str) -> None:
+    scene = mi.load_dict(scenes.environment())
+    first, again, other = (render(scene, seed=seed) for seed in (3, 3, 4))
+    np.testing.assert_allclose(again, first, rtol=1e-4, atol=1e-6)
+    assert not np.allclose(first, other, rtol=1e-4, atol=1e-6)
+
+
+def test_cancel_and_timeout_end_a_render() -> None:
+    mi.set_variant("scalar_rgb")
+    scene = mi.load_dict(scenes.stage() | scenes.lamps(2))
+    image = render(scene, spp=1 << 20, timeout=1.0)
+    assert np.isfinite(image).all() and image.mean() > 0.01
+
+
+def test_renders_from_several_threads() -> None:
+    mi.set_variant("scalar_rgb")
+    loaded = [mi.load_dict(scenes.environment()) for _ in range(3)]
+    alone = [render(scene, seed=i) for i, scene in enumerate(loaded)]
+    together: dict[int, np.ndarray] = {}
+
+    def work(i: int) -> None:
+        together[i] = render(loaded[i], seed=i)
+
+    threads = [threading.Thread(target=work, args=(i,)) for i in range(3)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    for i, image in enumerate(alone):
+        assert np.allclose(together[i], image, rtol=1e-4, atol=1e-6)
+
+
+def _memory() -> int:
+    """Resident, bytes."""
+    pages = int(Path("/proc/self/statm").read_text().split()[1])
+    return pages * 4096
+
+
+def test_a_thousand_loads_and_renders_leave_nothing() -> None:
+    mi.set_variant("scalar_rgb")
+    scene = scenes.stage() | scenes.lamps(2)
+    scene["sensor"]["film"] |= {"width": 4, "height": 4}
+
+    def renders(count: int) -> int:
+        for _ in range(count):
+            render(scene, spp=1)
+        gc.collect()
+        return _memory()
+
+    before = renders(300)
+    assert renders(700) - before < 4_000_000
+
+
+def test_many_shapes_bring_one_warning() -> None:
+    program = """
+import lightcull.mitsuba, mitsuba as mi, sys
+sys.path.insert(0, sys.argv[1])
+import mitsuba_scenes as scenes
+mi.set_variant("llvm_ad_rgb")
+lamps = {f"lamp{i}": scenes.rectangle([i % 30 - 15, 3, i / 30], 0.1, scenes.area(5.0)) for i in range(501)}
+scene = mi.load_dict(scenes.stage() | lamps)
+for _ in range(2):
+    mi.render(scene, integrator=mi.load_dict({"type": "lightcull_path", "max_depth": 1}), spp=1)
+"""
+    here = str(Path(__file__).parent)
+    result = subprocess.run(
+        [sys.executable, "-c", program, here], capture_output=True, text=True, timeout=300
+    )
+    assert result.returncode == 0, result.stderr
+    assert (result.stdout + result.stderr).count("merge_emitters") == 1
