@@ -113,10 +113,10 @@ struct Receiver {
 
 /// The mean over a light of a GlossyLobe: in its formula alpha^2 grows by what the light's spread
 /// adds to the mean of (1 - c) / 2, and the peak falls so that the lobe holds as much as before.
-inline float mean_of_lobe(const Receiver& receiver, float cosine, float angular_spread) noexcept {
-    const float width = receiver.alpha2 + 0.25f * angular_spread;
+inline float mean_of_lobe(float peak, float alpha2, float cosine, float angular_spread) noexcept {
+    const float width = alpha2 + 0.25f * angular_spread;
     const float inverse = 1.0f / (width + 0.5f * (1.0f - cosine));
-    return receiver.peak * receiver.alpha2 * width * inverse * inverse;
+    return peak * alpha2 * width * inverse * inverse;
 }
 
 /// An estimate of g_i(x) of [TH16] Eq. 9, what the light gives a point but for visibility:
@@ -139,7 +139,7 @@ inline float importance(const LightRecord& light, const Approach& way,
     if (receiver.peak > 0.0f) {
         const float cosine = dot(receiver.axis, way.way) * inverse;
         received = receiver.diffuse * received +
-                   mean_of_lobe(receiver, cosine, spread * inverse * inverse);
+                   mean_of_lobe(receiver.peak, receiver.alpha2, cosine, spread * inverse * inverse);
     }
 
     float emitter = 1.0f;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "lights/importance.h"
 #include "lights/memory_size.h"
 
 namespace lightcull {
@@ -153,9 +154,8 @@ float importance(const LightGroup& group, const Approach& approach,
         const float root = std::sqrt(mean_distance2);
         const float inverse_root = 1.0f / root;
         const float cosine = dot(point.axis, way) * inverse_root;
-        const float width = point.alpha2 + 0.25f * (spread * inverse_root * inverse_root);
-        const float inverse_sum = 1.0f / (width + 0.5f * (1.0f - cosine));
-        const float lobe = point.peak * point.alpha2 * width * inverse_sum * inverse_sum;
+        const float lobe =
+            mean_of_lobe(point.peak, point.alpha2, cosine, spread * inverse_root * inverse_root);
         received = (root + root) * (point.diffuse * (0.5f * received * inverse_root) + lobe);
     }
     const float facing = one_or_both(dot(group.mean_normal, way));

@@ -203,7 +203,8 @@ HWY_ATTR inline bool concerns_any(const PointPacket& points, const SphereNode& n
         const Vec height =
             ways.dot_with(points.normal_x + i, points.normal_y + i, points.normal_z + i);
         const Vec horizon = hn::Load(Tag(), points.horizon + i);
-        const auto above = hn::Gt(hn::Add(height, bounds), hn::Add(horizon, horizon));
+        const auto above =
+            hn::Gt(hn::Add(height, bounds), hn::Mul(constant(walk::kHorizonOfNodes), horizon));
         if (!hn::AllFalse(Tag(), hn::And(hn::Le(ways.distance2, limit), above))) return true;
     }
     return false;

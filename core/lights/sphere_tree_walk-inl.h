@@ -26,10 +26,8 @@ HWY_ATTR inline void prefetch(const SphereNode& node, const float* radii) {
     hwy::Prefetch(radii);
 }
 
-/// Nodes are skipped where a light is, by its importance, or is almost: rounding allowed for.
-HWY_ATTR inline float horizon_of_nodes(float horizon) {
-    return 2.0f * horizon;
-}
+/// A node is skipped where it lies this many times the horizon of lights low: rounding allowed for.
+constexpr float kHorizonOfNodes = 2.0f;
 
 /// Bit s is set if the point is within the sphere of slot s, and what the slot holds is not below
 /// the point's horizon.
@@ -49,7 +47,7 @@ HWY_ATTR inline std::uint32_t slots_around(const SphereNode& node, const float* 
                                             hn::Mul(dy, hn::Set(d, point.normal.y))),
                                     hn::Mul(dz, hn::Set(d, point.normal.z)));
         const auto above = hn::Gt(hn::Add(height, hn::Load(d, node.bounds + slot)),
-                                  hn::Set(d, horizon_of_nodes(point.horizon)));
+                                  hn::Set(d, kHorizonOfNodes * point.horizon));
         std::uint8_t bytes[8] = {};
         hn::StoreMaskBits(d, hn::And(within, above), bytes);
         bits |= std::uint32_t{bytes[0]} << slot;

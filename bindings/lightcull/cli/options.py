@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import math
 import re
+from collections.abc import Sequence
 from typing import NoReturn
 
 from .._core import Error, instruction_sets
@@ -158,13 +159,7 @@ def make_parser() -> argparse.ArgumentParser:
     _add_shared(render, seconds=10, output="SCENE.exr", output_help=".exr or .png to write")
 
     compare = add("compare", "compare samplers in equal time", _COMPARE_EXAMPLES)
-    compare.add_argument(
-        "--samplers",
-        type=_samplers,
-        default=list(DEFAULT_SAMPLERS),
-        metavar="A,B,...",
-        help=f"default: {','.join(DEFAULT_SAMPLERS)}",
-    )
+    _add_samplers(compare, DEFAULT_SAMPLERS)
     compare.add_argument(
         "--reference-seconds",
         type=_positive,
@@ -183,6 +178,16 @@ def _add_scene(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("scene", metavar="SCENE", help="file or name of an example")
 
 
+def _add_samplers(parser: argparse.ArgumentParser, default: Sequence[str]) -> None:
+    parser.add_argument(
+        "--samplers",
+        type=_samplers,
+        default=list(default),
+        metavar="A,B,...",
+        help=f"default: {','.join(default)}",
+    )
+
+
 def _add_bench(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "scenes",
@@ -191,13 +196,7 @@ def _add_bench(parser: argparse.ArgumentParser) -> None:
         help="file, name of an example, or series: lanterns with 1,000 to 1,000,000 lights of the "
         "same total power; default: all examples and the series",
     )
-    parser.add_argument(
-        "--samplers",
-        type=_samplers,
-        default=list(BENCH_SAMPLERS),
-        metavar="A,B,...",
-        help=f"default: {','.join(BENCH_SAMPLERS)}",
-    )
+    _add_samplers(parser, BENCH_SAMPLERS)
     parser.add_argument(
         "--size",
         type=_size,
