@@ -1,6 +1,8 @@
 #include <lightcull/error.h>
 #include <lightcull/samplers.h>
 
+#include <hwy/cache_control.h>
+
 #include <algorithm>
 #include <array>
 #include <vector>
@@ -30,17 +32,16 @@ class CulledSampler final : public LightSampler {
     void begin_pass(std::uint64_t pass) override { tree_.begin_pass(pass); }
 
     Selection select(const ShadingPoint& point, float u) const noexcept override {
-        Reservoir reservoir(u);
         const LightBvhPoint x = to_local(point);
-        for_each_weighed(x, point.set, [&](std::uint32_t group, float g, const Approach& way) {
-            reservoir.add(group, g, g * tree_.inverse_prob(group, way));
+        GroupChoice choice;
+        tree_.for_accepted(x, point.set, [&](Span<const std::uint32_t> records) {
+            kernels().weigh_groups(tree_, groups_.groups.data(), records, x, float_bits(u), choice);
         });
-        const float sum = reservoir.weight_sum();
         LightBvhDescent descent;
         descent.point = x;
-        start(reservoir.light(), reservoir.prob(), sum, u, descent);
+        start(choice, u, descent);
         kernels().means.descend(groups_.bvh, {&descent, 1});
-        return result(descent, {sum, point.set});
+        return result(descent, {choice.weight_sum, point.set});
     }
 
     /// Sixteen points at a time, of one set and near each other.
@@ -63,13 +64,13 @@ class CulledSampler final : public LightSampler {
         if (index == LightGroups::kNoGroup) return 0.0f;
         const LightGroup& group = groups_.groups[index];
         const LightBvhPoint x = to_local(point);
-        const Approach way = approach(x.position, group.center);
-        const float g = importance(group, way, x);
+        const float g = importance(group, x);
         if (!(g > 0.0f)) return 0.0f;
+        const Approach way = approach(x.position, group.position());
         const float sum = tree_.accepts(index, receipt.key, way)
                               ? receipt.weight_sum
                               : receipt.weight_sum + g * tree_.inverse_prob(index, way);
-        const bool alone = (group.child & LightBvhNode::kLight) != 0;
+        const bool alone = (group.child[0] & LightBvhNode::kLight) != 0;
         if (alone) return g / sum;
         const double prob_of_group = static_cast<double>(g / sum);
         return static_cast<float>(
@@ -79,8 +80,16 @@ class CulledSampler final : public LightSampler {
     std::uint32_t set_count() const noexcept override { return tree_.ranges().set_count(); }
 
     SelectionCounts count(const ShadingPoint& point) const noexcept override {
-        return for_each_weighed(to_local(point), point.set,
-                                [](std::uint32_t, float, const Approach&) {});
+        const LightBvhPoint x = to_local(point);
+        SelectionCounts counts;
+        counts.nodes_visited =
+            tree_.for_accepted(x, point.set, [&](Span<const std::uint32_t> records) {
+                for (const std::uint32_t record : records) {
+                    ++counts.lights_tested;
+                    counts.accepted += importance(groups_.groups[record], x) > 0.0f ? 1 : 0;
+                }
+            });
+        return counts;
     }
 
     std::size_t memory_size() const noexcept override {
@@ -92,30 +101,12 @@ class CulledSampler final : public LightSampler {
         return {frame_.position(point.position), Receiver(point)};
     }
 
-    /// Calls visit(group, g, way) for every group that is accepted and may reach the point.
-    template <typename Visit>
-    SelectionCounts for_each_weighed(const LightBvhPoint& x, std::uint32_t set,
-                                     Visit&& visit) const noexcept {
-        SelectionCounts counts;
-        counts.nodes_visited = tree_.for_each_accepted(x, set, [&](std::uint32_t index) {
-            ++counts.lights_tested;
-            const LightGroup& group = groups_.groups[index];
-            const Approach way = approach(x.position, group.center);
-            const float g = importance(group, way, x);
-            if (!(g > 0.0f)) return;
-            ++counts.accepted;
-            visit(index, g, way);
-        });
-        return counts;
-    }
-
     /// Puts a descent at the top of the group that was chosen, or at its end if none was.
-    void start(std::uint32_t group, float prob, float weight_sum, float u,
-               LightBvhDescent& descent) const noexcept {
-        if (weight_sum > 0.0f) {
-            descent.place = uniform_double(hash(float_bits(u), group));
-            descent.prob = static_cast<double>(prob);
-            descent.child = groups_.groups[group].child;
+    void start(const GroupChoice& choice, float u, LightBvhDescent& descent) const noexcept {
+        if (choice.weight_sum > 0.0f) {
+            descent.place = uniform_double(hash(float_bits(u), choice.record));
+            descent.prob = static_cast<double>(choice.numerator / choice.weight_sum);
+            descent.child = groups_.groups[choice.record].child[0];
         } else {
             descent.prob = 0.0;
             descent.child = LightBvhNode::kLight;
@@ -143,17 +134,30 @@ class CulledSampler final : public LightSampler {
         while (builder.size() < PointPacket::kSize) {
             builder.add(descents[0].point, u[order[0]]);  // to fill it
         }
+        const std::size_t next = std::min(order.size() - count, PointPacket::kSize);
+        prefetch({order.data() + count, next}, points, u, selections);
         PacketChoice packet{};
         kernels().select_packet(tree_, groups_.groups.data(), builder.packet(), packet);
         for (std::size_t i = 0; i < count; ++i) {
-            const float sum = packet.weight_sum[i];
-            start(packet.record[i], packet.numerator[i] / sum, sum, u[order[i]], descents[i]);
+            start({packet.weight_sum[i], packet.numerator[i], packet.record[i]}, u[order[i]],
+                  descents[i]);
         }
         kernels().means.descend(groups_.bvh, {descents.data(), count});
         for (std::size_t i = 0; i < count; ++i) {
             selections[order[i]] = result(descents[i], {packet.weight_sum[i], set});
         }
         return count;
+    }
+
+    /// Of the points of the next packet what this one will read and write.
+    static void prefetch(Span<const std::uint32_t> order, Span<const ShadingPoint> points,
+                         Span<const float> u, Span<Selection> selections) noexcept {
+        for (const std::uint32_t i : order) {
+            hwy::Prefetch(&points[i]);
+            hwy::Prefetch(&points[i].lobe.peak);
+            hwy::Prefetch(&u[i]);
+            hwy::Prefetch(&selections[i]);
+        }
     }
 
     Frame frame_;

@@ -42,15 +42,19 @@ class CullingTree {
     SelectionCounts for_each_accepted(float3 x, const Receiver& receiver, std::uint32_t set,
                                       Visit&& visit) const noexcept {
         SelectionCounts counts;
-        counts.nodes_visited =
-            tree_.for_each_accepted(LightBvhPoint(x, receiver), set, [&](std::uint32_t record) {
-                ++counts.lights_tested;
-                const Approach way = approach(x, records_[record].center);
-                const float g = importance(records_[record], way, receiver);
-                if (!(g > 0.0f)) return;
-                ++counts.accepted;
-                visit(Accepted{record, g, tree_.inverse_prob(record, way)});
-            });
+        const auto weigh = [&](std::uint32_t record) {
+            ++counts.lights_tested;
+            const Approach way = approach(x, records_[record].center);
+            const float g = importance(records_[record], way, receiver);
+            if (!(g > 0.0f)) return;
+            ++counts.accepted;
+            visit(Accepted{record, g, tree_.inverse_prob(record, way)});
+        };
+        counts.nodes_visited = tree_.for_accepted(LightBvhPoint(x, receiver), set,
+                                                  [&](Span<const std::uint32_t> records) {
+                                                      for (const std::uint32_t record : records)
+                                                          weigh(record);
+                                                  });
         return counts;
     }
 

@@ -8,6 +8,7 @@
 
 #include <hwy/highway.h>
 
+#include "lights/group_weigh-inl.h"
 #include "lights/kernels.h"
 #include "lights/light_bvh_descend-inl.h"
 #include "lights/packet_select-inl.h"
@@ -22,8 +23,9 @@ template <typename Node>
 constexpr LightBvhKernels<Node> kBvhKernels{bvh::compute_importances, bvh::descend<Node>,
                                             bvh::prob_of_light<Node>};
 
-constexpr Kernels kKernels{walk::find_leaves, packet::select_packet, refit::refit_nodes,
-                           kBvhKernels<BoundsNode>, kBvhKernels<MeansNode>};
+constexpr Kernels kKernels{walk::find_leaves,     groups::importance, groups::weigh,
+                           packet::select_packet, refit::refit_nodes, kBvhKernels<BoundsNode>,
+                           kBvhKernels<MeansNode>};
 
 inline const Kernels* target_kernels() {
     return &kKernels;

@@ -9,21 +9,29 @@
 namespace lightcull {
 
 class RangeTree;
+class TreeWalk;
 struct FoundLeaves;
 struct LightGroup;
 struct Refit;
 struct SphereTree;
-struct TreeWalk;
 
 /// The loops that matter, compiled for one instruction set; all of them give the same bits.
 struct Kernels {
-    /// Goes on with a walk until it is over (stack_size 0) or `found`, which is emptied first, is
-    /// full. Vectorised across the slots of a node.
+    /// Goes on with a walk until it is over or `found`, whose records are emptied first, is full.
+    /// Vectorised across the slots of a node.
     void (*find_leaves)(const SphereTree& tree, const float* radii, const LightBvhPoint& point,
                         TreeWalk& walk, FoundLeaves& found);
 
-    /// Weighs every group that is accepted at any of the points, in one walk of the tree; what goes
-    /// into `choice`, all 0 at first, is what one Reservoir after another would hold.
+    float (*group_importance)(const LightGroup& group, const LightBvhPoint& point);
+
+    /// Weighs groups whose ranges cover the point by g / p: adds them in their order to what is, to
+    /// the bit, Reservoir(u) after Reservoir::add(record, g, g / p). Vectorised across the groups.
+    void (*weigh_groups)(const RangeTree& tree, const LightGroup* groups,
+                         Span<const std::uint32_t> records, const LightBvhPoint& point,
+                         std::uint32_t u_bits, GroupChoice& choice);
+
+    /// Both together for all points of a packet, in one walk of the tree, vectorised across the
+    /// points; `choice` is all 0 at first.
     void (*select_packet)(const RangeTree& tree, const LightGroup* groups,
                           const PointPacket& points, PacketChoice& choice);
 

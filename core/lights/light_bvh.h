@@ -31,24 +31,45 @@ struct alignas(64) BoundsNode : LightBvhNode {
 };
 static_assert(sizeof(BoundsNode) == 384 && alignof(BoundsNode) == 64);
 
-/// For ClusterImportance::kMeans.
-struct alignas(64) MeansNode : LightBvhNode {
-    float center[3][kWidth];       ///< mean position, weighted by intensity
-    float radius[kWidth];          ///< of a sphere around center that holds all of the cluster
-    float spread[kWidth];          ///< variance of position as the importance takes it, not 0;
+/// What the importance by means needs of clusters, kCount of them.
+template <std::size_t kCount>
+struct ClusterMeans {
+    float center[3][kCount];       ///< mean position, weighted by intensity
+    float radius[kCount];          ///< of a sphere around center that holds all of the cluster
+    float spread[kCount];          ///< variance of position as the importance takes it, not 0;
                                    ///< negative: a flat light, emission does not depend on it
-    float intensity[kWidth];       ///< sum; 0: empty
-    float axis[3][kWidth];         ///< of the cone into which the cluster emits
-    float apex[kWidth];            ///< how far behind center the cone begins that holds those of
+    float intensity[kCount];       ///< sum; 0: empty
+    float axis[3][kCount];         ///< of the cone into which the cluster emits
+    float apex[kCount];            ///< how far behind center the cone begins that holds those of
                                    ///< all points of the sphere
-    float cosine[kWidth];          ///< of the cone's half-angle, times its own absolute value; -2:
+    float cosine[kCount];          ///< of the cone's half-angle, times its own absolute value; -2:
                                    ///< the cluster emits everywhere
-    float mean_normal[3][kWidth];  ///< weighted by intensity; short where normals differ
-    float diffuse[kWidth];         ///< what the cluster emits whatever the direction: the square of
+    float mean_normal[3][kCount];  ///< weighted by intensity; short where normals differ
+    float diffuse[kCount];         ///< what the cluster emits whatever the direction: the square of
                                    ///< twice that share of its intensity. The sign bit is set
                                    ///< where all of it is two-sided
-    std::uint32_t child[kWidth];   ///< as in BoundsNode
+    std::uint32_t child[kCount];   ///< as in BoundsNode
+
+    /// Takes over one of the clusters of another.
+    template <std::size_t kOthers>
+    void set(std::size_t i, const ClusterMeans<kOthers>& other, std::size_t j) noexcept {
+        for (std::size_t k = 0; k < 3; ++k) {
+            center[k][i] = other.center[k][j];
+            axis[k][i] = other.axis[k][j];
+            mean_normal[k][i] = other.mean_normal[k][j];
+        }
+        radius[i] = other.radius[j];
+        spread[i] = other.spread[j];
+        intensity[i] = other.intensity[j];
+        apex[i] = other.apex[j];
+        cosine[i] = other.cosine[j];
+        diffuse[i] = other.diffuse[j];
+        child[i] = other.child[j];
+    }
 };
+
+/// For ClusterImportance::kMeans.
+struct alignas(64) MeansNode : LightBvhNode, ClusterMeans<LightBvhNode::kWidth> {};
 static_assert(sizeof(MeansNode) == 512 && alignof(MeansNode) == 64);
 
 /// One of a node's eight children, as a number: 8 * node + place.

@@ -23,30 +23,28 @@ namespace hn = hwy::HWY_NAMESPACE;
 /// How the choice falls among a node's children.
 struct Shares {
     LightBvhImportances importances;
-    double sums[kWidth];  ///< of the importances up to and with each
+    double sums[kWidth + 1];  ///< of the importances before each; of all
 
     template <typename Node>
     HWY_ATTR Shares(const Node& node, const LightBvhPoint& point) {
         compute_importances(node, point, importances.of);
         // In double precision, where each importance above 0 raises the sum.
-        double sum = 0.0;
+        sums[0] = 0.0;
         for (std::size_t i = 0; i < kWidth; ++i) {
-            sum += static_cast<double>(importances.of[i]);
-            sums[i] = sum;
+            sums[i + 1] = sums[i] + static_cast<double>(importances.of[i]);
         }
     }
-    double total() const { return sums[kWidth - 1]; }
+    double total() const { return sums[kWidth]; }
     double prob(std::size_t i) const { return static_cast<double>(importances.of[i]) / total(); }
     /// The child that `place` falls on; it becomes the place within that child's share. No child of
     /// importance 0 is chosen, and total() must not be 0.
     HWY_ATTR std::size_t choose(double& place) const {
         const double target = place * total();
         std::size_t chosen = 0;
-        for (std::size_t i = 0; i + 1 < kWidth; ++i) chosen += sums[i] <= target ? 1 : 0;
-        const double before = chosen > 0 ? sums[chosen - 1] : 0.0;
+        for (std::size_t i = 1; i < kWidth; ++i) chosen += sums[i] <= target ? 1 : 0;
         constexpr double kBelowOne = 1.0 - 0x1p-53;
-        place =
-            std::min((target - before) / static_cast<double>(importances.of[chosen]), kBelowOne);
+        place = std::min((target - sums[chosen]) / static_cast<double>(importances.of[chosen]),
+                         kBelowOne);
         return chosen;
     }
 };
@@ -81,6 +79,7 @@ HWY_ATTR void descend(const LightBvh<Node>& bvh, Span<LightBvhDescent> descents)
     std::size_t count = 0;
     for (LightBvhDescent& descent : descents) {
         if ((descent.child & LightBvhNode::kLight) != 0) continue;
+        prefetch(bvh.nodes[descent.child]);
         under_way[count++] = &descent;
     }
     while (count > 0) {

@@ -11,17 +11,10 @@
 
 namespace lightcull {
 
-/// Lights that share a range, as one cluster: the quantities of a slot of a MeansNode, and what its
-/// importance is by the same formulas (light_bvh_importance-inl.h).
-struct LightGroup {
-    float3 center;
-    float radius;
-    float3 axis;
-    float apex;
-    float3 mean_normal;
-    float diffuse;
-    float intensity, spread, cosine;
-    std::uint32_t child;  ///< as MeansNode::child: a subtree of LightGroups::bvh, or a light
+/// Lights that share a range, as one cluster. Its child is a subtree of LightGroups::bvh, or a
+/// light.
+struct alignas(64) LightGroup : ClusterMeans<1> {
+    float3 position() const noexcept { return {center[0][0], center[1][0], center[2][0]}; }
 };
 static_assert(sizeof(LightGroup) == 64);
 
@@ -50,6 +43,6 @@ LightGroups make_light_groups(const LightTable& table, std::uint32_t max_size);
 std::uint32_t suitable_group_size(std::size_t lights) noexcept;
 
 /// g of [TH16] Eq. 9 of all lights of a group, 0 only where none of them reaches the point.
-float importance(const LightGroup& group, const Approach& way, const LightBvhPoint& point) noexcept;
+float importance(const LightGroup& group, const LightBvhPoint& point) noexcept;
 
 }  // namespace lightcull

@@ -14,12 +14,12 @@ struct alignas(64) PointPacket {
     static constexpr std::size_t kSize = 16;
 
     float x[kSize], y[kSize], z[kSize];
-    float normal_x[kSize], normal_y[kSize], normal_z[kSize];
+    float normal[3][kSize];
     float from_all_sides[kSize], horizon[kSize];
     std::uint32_t u_bits[kSize];
     // Of the receivers' glossy lobes; not read unless there are any.
     float diffuse[kSize];
-    float lobe_x[kSize], lobe_y[kSize], lobe_z[kSize];
+    float lobe[3][kSize];  ///< axes
     float alpha2[kSize], peak[kSize];
 
     float3 low, high;  ///< of a box around the positions
@@ -42,14 +42,14 @@ class PacketBuilder {
         packet_.x[i] = x.x, packet_.y[i] = x.y, packet_.z[i] = x.z;
         packet_.low = i == 0 ? x : min(packet_.low, x);
         packet_.high = i == 0 ? x : max(packet_.high, x);
-        packet_.normal_x[i] = n.x, packet_.normal_y[i] = n.y, packet_.normal_z[i] = n.z;
+        packet_.normal[0][i] = n.x, packet_.normal[1][i] = n.y, packet_.normal[2][i] = n.z;
         packet_.from_all_sides[i] = point.from_all_sides;
         packet_.horizon[i] = point.horizon;
         packet_.u_bits[i] = float_bits(u);
         packet_.has_lobes |= point.peak > 0.0f;
         packet_.diffuse[i] = point.diffuse;
-        packet_.lobe_x[i] = point.axis.x, packet_.lobe_y[i] = point.axis.y;
-        packet_.lobe_z[i] = point.axis.z;
+        packet_.lobe[0][i] = point.axis.x, packet_.lobe[1][i] = point.axis.y;
+        packet_.lobe[2][i] = point.axis.z;
         packet_.alpha2[i] = point.alpha2, packet_.peak[i] = point.peak;
     }
 
@@ -61,7 +61,14 @@ class PacketBuilder {
     std::size_t size_ = 0;
 };
 
-/// What a Reservoir holds at the end, for each point.
+/// What a Reservoir of groups holds at the end.
+struct GroupChoice {
+    float weight_sum = 0.0f;
+    float numerator = 0.0f;
+    std::uint32_t record = 0;
+};
+
+/// The same for each point of a packet.
 struct alignas(64) PacketChoice {
     float weight_sum[PointPacket::kSize];
     float numerator[PointPacket::kSize];

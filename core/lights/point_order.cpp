@@ -5,6 +5,7 @@
 
 #include "base/float3_math.h"
 #include "base/morton.h"
+#include "base/radix_sort.h"
 #include "lights/parallel_blocks.h"
 
 namespace lightcull {
@@ -38,29 +39,44 @@ class MortonCurve {
     float scale_;
 };
 
+/// The indices in `keys`, those of a set up to its end in `ends`, in runs of the sets in turn.
+std::vector<std::uint32_t> take_turns(Span<const std::uint64_t> keys,
+                                      Span<const std::uint32_t> ends) {
+    constexpr std::uint32_t kRunSize = 16;
+    std::vector<std::uint32_t> order;
+    order.reserve(keys.size());
+    for (std::uint32_t done = 0; order.size() < keys.size(); done += kRunSize) {
+        std::uint32_t begin = 0;
+        for (const std::uint32_t end : ends) {
+            const std::uint32_t last = std::min(end - begin, done + kRunSize);
+            for (std::uint32_t i = done; i < last; ++i) {
+                order.push_back(static_cast<std::uint32_t>(keys[begin + i]));
+            }
+            begin = end;
+        }
+    }
+    return order;
+}
+
 }  // namespace
 
 std::vector<std::uint32_t> order_points(Span<const ShadingPoint> points, std::uint32_t set_count) {
-    std::vector<std::uint32_t> order(points.size());
-    if (points.empty()) return order;
+    if (points.empty()) return {};
     const MortonCurve curve(points);
     // Counting sort by set, then each set by place; the index breaks ties.
-    std::vector<std::uint32_t> ends(set_count + 1);
+    std::vector<std::uint32_t> ends(set_count);
     for (const ShadingPoint& point : points) ++ends[point.set];
     std::uint32_t sum = 0;
     for (std::uint32_t& end : ends) sum += std::exchange(end, sum);
-    std::vector<std::uint64_t> keys(points.size());
+    std::vector<std::uint64_t> keys(points.size()), sorted(points.size());
     for (std::uint32_t i = 0; i < points.size(); ++i) {
         keys[ends[points[i].set]++] = (std::uint64_t{curve.place(points[i].position)} << 32) | i;
     }
     for_each_block(set_count, 1, [&](std::size_t set, std::size_t) {
         const std::uint32_t begin = set == 0 ? 0 : ends[set - 1];
-        std::sort(keys.begin() + begin, keys.begin() + ends[set]);
-        for (std::uint32_t i = begin; i < ends[set]; ++i) {
-            order[i] = static_cast<std::uint32_t>(keys[i]);
-        }
+        sort_keys(keys.data() + begin, sorted.data() + begin, ends[set] - begin);
     });
-    return order;
+    return take_turns(sorted, ends);
 }
 
 }  // namespace lightcull

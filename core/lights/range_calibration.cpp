@@ -170,7 +170,7 @@ RangedScene ranged_scene(const LightTable& table) {
 RangedScene ranged_scene(const LightGroups& groups, const Frame& frame) {
     return {frame, groups.ranged(), [&groups](std::size_t i, const LightBvhPoint& point) {
                 const LightGroup& group = groups.groups[i];
-                return importance(group, approach(point.position, group.center), point) > 0.0f;
+                return importance(group, point) > 0.0f;
             }};
 }
 

@@ -30,11 +30,11 @@ class RangeTree {
         return radii_.data() + set * tree_.slot_count();
     }
 
-    /// Calls visit(record) for whatever is accepted at a point in `set`, but for what lies below
-    /// its horizon. Returns the number of nodes read.
+    /// Calls visit(Span of records) for whatever is accepted at a point in `set`, some at a time,
+    /// but for what lies below its horizon. Returns the number of nodes read.
     template <typename Visit>
-    std::uint32_t for_each_accepted(const LightBvhPoint& point, std::uint32_t set,
-                                    Visit&& visit) const noexcept {
+    std::uint32_t for_accepted(const LightBvhPoint& point, std::uint32_t set,
+                               Visit&& visit) const noexcept {
         return traverse(tree_, radii(set), point, visit);
     }
 

@@ -93,10 +93,10 @@ class RandomRanges {
         return std::max(distance * distance * (1.0f / limit(intensity)), 1.0f);
     }
 
-  private:
     /// Has an inverse.
     static constexpr float kLeastLimit = 1e-36f;
 
+  private:
     /// xi before it is turned, as high * 2^-32 + low * 2^-56.
     struct Digits {
         std::uint32_t high;

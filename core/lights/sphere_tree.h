@@ -36,7 +36,7 @@ static_assert(offsetof(SphereNode, y) == 32 && offsetof(SphereNode, z) == 64 &&
 inline constexpr float kNoRadius = -1.0f;
 
 /// The topology of a sphere tree over lights, or groups of them, one to a leaf: built once, the
-/// same for all sets and passes. Parents come before their children.
+/// same for all sets and passes. Parents come before their children, and siblings lie side by side.
 struct SphereTree {
     std::vector<SphereNode> nodes;
     std::vector<float3> centers;       ///< by node: of the slot above

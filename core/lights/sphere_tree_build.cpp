@@ -79,19 +79,20 @@ class Collapse {
     std::vector<Plan> plans_;
 };
 
-/// Writes the wide nodes, each before those below it, and the records in the order of the leaves.
+/// Writes the wide nodes and the records of their leaves. Siblings lie side by side, then what is
+/// below the first of them, and so on.
 class Emitter {
   public:
     Emitter(Span<const RangedLight> lights, const BinaryTree& binary, SphereTree& tree)
         : lights_(lights), binary_(binary), collapse_(binary), tree_(tree) {}
 
     void emit_root() {
-        if (binary_.nodes.size() > 1) {
-            emit(0, 1);
-            return;
-        }
         tree_.nodes.push_back(empty_node());
-        tree_.nodes[0].link[0] = emit_light(0);
+        if (binary_.nodes.size() > 1) {
+            emit(0, 0, 1);
+        } else {
+            tree_.nodes[0].link[0] = emit_light(0);
+        }
     }
 
   private:
@@ -108,19 +109,22 @@ class Emitter {
         return SphereNode::kLeaf | static_cast<std::uint32_t>(tree_.records.size() - 1);
     }
 
-    std::uint32_t emit(std::uint32_t binary_node, std::uint32_t depth) {
+    /// The node that stands for a binary one, and all below it.
+    void emit(std::uint32_t node, std::uint32_t binary_node, std::uint32_t depth) {
         assert(depth <= SphereTree::kMaxDepth);
-        const auto index = static_cast<std::uint32_t>(tree_.nodes.size());
-        tree_.nodes.push_back(empty_node());
         std::array<std::uint32_t, kWidth> slots{};
         const std::uint32_t count = collapse_.slots_of(binary_node, slots);
+        const auto is_leaf = [&](std::uint32_t slot) {
+            return binary_.nodes[slots[slot]].right == 0;
+        };
         for (std::uint32_t slot = 0; slot < count; ++slot) {
-            const bool leaf = binary_.nodes[slots[slot]].right == 0;
-            const std::uint32_t link =
-                leaf ? emit_light(slots[slot]) : emit(slots[slot], depth + 1);
-            tree_.nodes[index].link[slot] = link;
+            const auto next = static_cast<std::uint32_t>(tree_.nodes.size());
+            tree_.nodes[node].link[slot] = is_leaf(slot) ? emit_light(slots[slot]) : next;
+            if (!is_leaf(slot)) tree_.nodes.push_back(empty_node());
         }
-        return index;
+        for (std::uint32_t slot = 0; slot < count; ++slot) {
+            if (!is_leaf(slot)) emit(tree_.nodes[node].link[slot], slots[slot], depth + 1);
+        }
     }
 
     Span<const RangedLight> lights_;

@@ -1,9 +1,9 @@
 #include "render/morton.h"
 
 #include "base/morton.h"
+#include "base/radix_sort.h"
 
 #include <ImathBox.h>
-#include <algorithm>
 
 namespace lightcull {
 
@@ -16,7 +16,8 @@ void sort_by_morton_code(const std::vector<V3f>& positions, std::vector<std::uin
     const auto scale = [](float extent) { return extent > 0.0f ? 1023.0f / extent : 0.0f; };
     const V3f cells(scale(size.x), scale(size.y), scale(size.z));
 
-    keys.resize(positions.size());
+    keys.resize(2 * positions.size());
+    std::uint64_t* const sorted = keys.data() + positions.size();
     for (std::size_t i = 0; i < positions.size(); ++i) {
         const V3f p = (positions[i] - bounds.min) * cells;
         const std::uint32_t code =
@@ -24,8 +25,10 @@ void sort_by_morton_code(const std::vector<V3f>& positions, std::vector<std::uin
                         static_cast<std::uint32_t>(p.z));
         keys[i] = std::uint64_t{code} << 32 | order[i];
     }
-    std::sort(keys.begin(), keys.end());
-    for (std::size_t i = 0; i < keys.size(); ++i) order[i] = static_cast<std::uint32_t>(keys[i]);
+    sort_keys(keys.data(), sorted, positions.size());
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+        order[i] = static_cast<std::uint32_t>(sorted[i]);
+    }
 }
 
 }  // namespace lightcull

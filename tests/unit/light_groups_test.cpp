@@ -1,11 +1,17 @@
 #include "lights/light_groups.h"
 
 #include <doctest/doctest.h>
+#include <lightcull/instruction_set.h>
 
 #include <algorithm>
+#include <numeric>
+#include <string>
 #include <vector>
 
+#include "base/random.h"
+#include "lights/kernels.h"
 #include "lights/range_tree.h"
+#include "lights/reservoir.h"
 #include "test_lights.h"
 
 using namespace lightcull;
@@ -42,13 +48,14 @@ TEST_CASE("the tree finds every group that a point accepts and that may reach it
         for (const ShadingPoint& shaded : mixed_points(200, pass, kSets)) {
             const LightBvhPoint point(table.frame.position(shaded.position), Receiver(shaded));
             std::vector<bool> found(groups.groups.size());
-            tree.for_each_accepted(point, shaded.set,
-                                   [&](std::uint32_t group) { found[group] = true; });
+            tree.for_accepted(point, shaded.set, [&](Span<const std::uint32_t> records) {
+                for (const std::uint32_t group : records) found[group] = true;
+            });
             for (std::uint32_t g = 0; g < groups.groups.size(); ++g) {
-                const Approach way = approach(point.position, groups.groups[g].center);
+                const Approach way = approach(point.position, groups.groups[g].position());
                 if (!tree.accepts(g, shaded.set, way)) {
                     REQUIRE(!found[g]);
-                } else if (importance(groups.groups[g], way, point) > 0.0f) {
+                } else if (importance(groups.groups[g], point) > 0.0f) {
                     REQUIRE(found[g]);
                     ++accepted;
                 }
@@ -56,4 +63,37 @@ TEST_CASE("the tree finds every group that a point accepts and that may reach it
         }
     }
     CHECK(accepted > 10000);
+}
+
+TEST_CASE("groups are weighed as a reservoir does it, one after the other") {
+    const LightTable table = make_light_table(mixed_lights(3000, 42, 8.0f));
+    LightGroups groups = make_light_groups(table, 12);
+    RangeTree tree(groups.ranged(), RandomRanges(2e-3f, 1));
+    groups.reorder(tree.tree().order);
+    std::vector<std::uint32_t> records(groups.groups.size());
+    std::iota(records.begin(), records.end(), 0u);
+    for (const std::string& name : instruction_sets()) {
+        CAPTURE(name);
+        use_instruction_set(name);
+        for (const ShadingPoint& shaded : mixed_points(100, 4, 1)) {
+            const LightBvhPoint point(table.frame.position(shaded.position), Receiver(shaded));
+            const float u = uniform_float(hash(float_bits(shaded.position.x), 1));
+            for (const std::size_t count : {1u, 7u, 16u, 17u, 100u}) {
+                Reservoir reservoir(u);
+                for (std::uint32_t i = 0; i < count; ++i) {
+                    const float g = importance(groups.groups[i], point);
+                    const Approach way = approach(point.position, groups.groups[i].position());
+                    if (g > 0.0f) reservoir.add(i, g, g * tree.inverse_prob(i, way));
+                }
+                GroupChoice choice;
+                kernels().weigh_groups(tree, groups.groups.data(), {records.data(), count}, point,
+                                       float_bits(u), choice);
+                REQUIRE(choice.weight_sum == reservoir.weight_sum());
+                if (!reservoir.chosen()) continue;
+                REQUIRE(choice.record == reservoir.light());
+                REQUIRE(choice.numerator / choice.weight_sum == reservoir.prob());
+            }
+        }
+    }
+    use_instruction_set(instruction_sets().front());
 }

@@ -1,0 +1,47 @@
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <numeric>
+#include <vector>
+
+#include "base/radix_sort.h"
+#include "base/random.h"
+#include "lights/point_order.h"
+#include "test_lights.h"
+
+using namespace lightcull;
+using namespace lightcull::testing;
+
+TEST_CASE("keys are sorted as std::sort does it, many and few, with ties") {
+    for (const std::size_t count : {0u, 1u, 2u, 191u, 192u, 1000u, 5000u}) {
+        for (const std::uint32_t different : {1u, 50u, 1u << 30}) {
+            CAPTURE(count);
+            CAPTURE(different);
+            std::vector<std::uint64_t> keys(count), sorted(count);
+            for (std::uint32_t i = 0; i < count; ++i) {
+                keys[i] = (hash(i, different) % different) << 32 | i;
+            }
+            std::vector<std::uint64_t> wanted = keys;
+            std::sort(wanted.begin(), wanted.end());
+            sort_keys(keys.data(), sorted.data(), count);
+            CHECK(sorted == wanted);
+        }
+    }
+}
+
+TEST_CASE("points are ordered each once, in packets of one set") {
+    constexpr std::uint32_t kSets = 16;
+    for (const std::uint32_t count : {0u, 1u, 17u, 5000u}) {
+        const std::vector<ShadingPoint> points = mixed_points(count, 3, kSets);
+        std::vector<std::uint32_t> order = order_points(points, kSets);
+        std::size_t changes = 0;
+        for (std::size_t i = 1; i < order.size(); ++i) {
+            changes += points[order[i]].set != points[order[i - 1]].set ? 1 : 0;
+        }
+        CHECK(changes <= count / 16 + kSets);
+        std::vector<std::uint32_t> all(count);
+        std::iota(all.begin(), all.end(), 0u);
+        std::sort(order.begin(), order.end());
+        CHECK(order == all);
+    }
+}
