@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "lights/alias_table.h"
+#include "base/alias_table.h"
 #include "lights/light_record.h"
 #include "lights/refine.h"
 

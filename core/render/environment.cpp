@@ -36,50 +36,23 @@ EnvironmentMap::EnvironmentMap(Environment environment)
       scale_(to_v3f(environment.scale)),
       cos_rotation_(std::cos(environment.rotation)),
       sin_rotation_(std::sin(environment.rotation)),
-      cells_(map_.texels.size()) {
+      pdfs_(map_.texels.size()) {
     constexpr double kTwoPi = 6.28318530717958647692;
-    const std::size_t count = cells_.size();
-    std::vector<double> share(count);
+    std::vector<double> share(pdfs_.size());
     double total = 0.0;
     for (std::uint32_t y = 0; y < map_.height; ++y) {
         const double solid_angle =
             kTwoPi / map_.width * (edge_cosine(y, map_.height) - edge_cosine(y + 1, map_.height));
         for (std::uint32_t x = 0; x < map_.width; ++x) {
             const std::size_t i = std::size_t{y} * map_.width + x;
-            cells_[i].pdf = mean_over_cell(map_, x, y);
-            share[i] = static_cast<double>(cells_[i].pdf) * solid_angle;
+            pdfs_[i] = mean_over_cell(map_, x, y);
+            share[i] = static_cast<double>(pdfs_[i]) * solid_angle;
             total += share[i];
         }
     }
-    if (!(total > 0.0)) {
-        cells_.clear();
-        return;
-    }
-
-    std::vector<std::uint32_t> small, large;
-    for (std::size_t i = 0; i < count; ++i) {
-        cells_[i].pdf = static_cast<float>(static_cast<double>(cells_[i].pdf) / total);
-        share[i] *= static_cast<double>(count) / total;
-        (share[i] < 1.0 ? small : large).push_back(static_cast<std::uint32_t>(i));
-    }
-    while (!small.empty() && !large.empty()) {
-        const std::uint32_t low = small.back(), high = large.back();
-        small.pop_back();
-        cells_[low].keep = static_cast<float>(share[low]);
-        cells_[low].alias = high;
-        share[high] -= 1.0 - share[low];
-        if (share[high] < 1.0) {
-            large.pop_back();
-            small.push_back(high);
-        }
-    }
-    // What is left is 1 but for rounding.
-    for (const auto& rest : {small, large}) {
-        for (const std::uint32_t i : rest) {
-            cells_[i].keep = 1.0f;
-            cells_[i].alias = i;
-        }
-    }
+    if (!(total > 0.0)) return;
+    cells_ = AliasTable(share);
+    for (float& pdf : pdfs_) pdf = static_cast<float>(static_cast<double>(pdf) / total);
 }
 
 V2f EnvironmentMap::to_map(const V3f& d) const noexcept {
@@ -117,17 +90,13 @@ float EnvironmentMap::pdf(const V3f& direction) const noexcept {
     const V2f place = to_map(direction);
     const auto x = std::min(static_cast<std::uint32_t>(place.x), map_.width - 1);
     const auto y = std::min(static_cast<std::uint32_t>(place.y), map_.height - 1);
-    return cells_[std::size_t{y} * map_.width + x].pdf;
+    return pdfs_[std::size_t{y} * map_.width + x];
 }
 
 EnvironmentSample EnvironmentMap::sample(double cell, const V2f& u) const noexcept {
     if (cells_.empty()) return {};
-    const double scaled = cell * static_cast<double>(cells_.size());
-    auto index = std::min(static_cast<std::size_t>(scaled), cells_.size() - 1);
-    if (scaled - static_cast<double>(index) >= static_cast<double>(cells_[index].keep)) {
-        index = cells_[index].alias;
-    }
-    const auto row = static_cast<std::uint32_t>(index / map_.width);
+    const std::uint32_t index = cells_.sample(cell);
+    const std::uint32_t row = index / map_.width;
     const auto column = static_cast<float>(index % map_.width);
 
     // Uniform per solid angle: uniform in the angle around +Y and in the cosine to it.

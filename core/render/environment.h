@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/alias_table.h"
 #include "render/vec.h"
 
 #include <lightcull/render/scene.h>
@@ -36,13 +37,9 @@ class EnvironmentMap {
     float cos_rotation_, sin_rotation_;
 
     // Inside a texel's cell the density is constant per solid angle: the mean luminance there,
-    // which is 0 only where every lookup is. Chosen by an alias table (Vose 1991).
-    struct Cell {
-        float pdf;
-        float keep;  // probability of staying with this cell
-        std::uint32_t alias;
-    };
-    std::vector<Cell> cells_;
+    // which is 0 only where every lookup is.
+    AliasTable cells_;  // empty: the environment is black
+    std::vector<float> pdfs_;
 };
 
 }  // namespace lightcull

@@ -5,8 +5,8 @@
 #include <set>
 #include <vector>
 
+#include "base/alias_table.h"
 #include "base/random.h"
-#include "lights/alias_table.h"
 #include "lights/pattern.h"
 #include "lights/ranges.h"
 #include "lights/reservoir.h"

@@ -1,12 +1,42 @@
-#include "lights/alias_table.h"
+#pragma once
+
+#include <lightcull/span.h>
 
 #include <algorithm>
 #include <cassert>
+#include <cstddef>
+#include <cstdint>
 #include <numeric>
+#include <vector>
 
 namespace lightcull {
 
-AliasTable::AliasTable(Span<const double> weights) : entries_(weights.size()) {
+/// Draws an index in proportion to its weight in constant time (Vose 1991).
+class AliasTable {
+  public:
+    AliasTable() = default;
+    /// Weights are finite, not negative, and not all 0.
+    explicit AliasTable(Span<const double> weights);
+
+    bool empty() const noexcept { return entries_.empty(); }
+    std::uint32_t size() const noexcept { return static_cast<std::uint32_t>(entries_.size()); }
+    /// u in [0, 1), with as many digits as the table has entries and more.
+    std::uint32_t sample(double u) const noexcept;
+    /// The probability with which sample() yields i: weight i / sum of weights.
+    float prob(std::uint32_t i) const noexcept { return entries_[i].prob; }
+    /// Bytes.
+    std::size_t memory_size() const noexcept { return entries_.size() * sizeof(Entry); }
+
+  private:
+    struct Entry {
+        float threshold;  ///< stay with this entry below it
+        std::uint32_t alias;
+        float prob;
+    };
+    std::vector<Entry> entries_;
+};
+
+inline AliasTable::AliasTable(Span<const double> weights) : entries_(weights.size()) {
     const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
     assert(sum > 0.0);
     const auto n = static_cast<double>(weights.size());
@@ -40,7 +70,7 @@ AliasTable::AliasTable(Span<const double> weights) : entries_(weights.size()) {
     }
 }
 
-std::uint32_t AliasTable::sample(double u) const noexcept {
+inline std::uint32_t AliasTable::sample(double u) const noexcept {
     const double place = u * static_cast<double>(entries_.size());
     const std::size_t i = std::min(static_cast<std::size_t>(place), entries_.size() - 1);
     const auto within = static_cast<float>(place - static_cast<double>(i));
