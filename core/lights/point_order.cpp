@@ -11,16 +11,23 @@
 namespace lightcull {
 namespace {
 
+struct Box {
+    float3 low, high;
+
+    static Box around(Span<const ShadingPoint> points) noexcept {
+        Box box{points[0].position, points[0].position};
+        for (const ShadingPoint& point : points) {
+            box.low = min(box.low, point.position);
+            box.high = max(box.high, point.position);
+        }
+        return box;
+    }
+};
+
 class MortonCurve {
   public:
-    explicit MortonCurve(Span<const ShadingPoint> points) noexcept {
-        low_ = points[0].position;
-        float3 high = low_;
-        for (const ShadingPoint& point : points) {
-            low_ = min(low_, point.position);
-            high = max(high, point.position);
-        }
-        const float3 extent = high - low_;
+    explicit MortonCurve(const Box& box) noexcept : low_(box.low) {
+        const float3 extent = box.high - box.low;
         const float longest = std::max({extent.x, extent.y, extent.z});
         scale_ = longest > 0.0f ? 1023.0f / longest : 0.0f;
     }
@@ -39,21 +46,69 @@ class MortonCurve {
     float scale_;
 };
 
-/// The indices in `keys`, those of a set up to its end in `ends`, in runs of the sets in turn.
-std::vector<std::uint32_t> take_turns(Span<const std::uint64_t> keys,
-                                      Span<const std::uint32_t> ends) {
-    constexpr std::uint32_t kRunSize = 16;
+constexpr std::size_t kBlock = 4096;
+
+Box box_around(Span<const ShadingPoint> points) {
+    std::vector<Box> boxes((points.size() + kBlock - 1) / kBlock);
+    for_each_block(points.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+        boxes[begin / kBlock] = Box::around({points.data() + begin, end - begin});
+    });
+    Box all = boxes[0];
+    for (const Box& box : boxes) all = {min(all.low, box.low), max(all.high, box.high)};
+    return all;
+}
+
+/// Place and set of each point, in the upper and the lower half.
+std::vector<std::uint64_t> places_and_sets(Span<const ShadingPoint> points) {
+    const MortonCurve curve(box_around(points));
+    std::vector<std::uint64_t> keys(points.size());
+    for_each_block(points.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            keys[i] = (std::uint64_t{curve.place(points[i].position)} << 32) | points[i].set;
+        }
+    });
+    return keys;
+}
+
+std::uint32_t lower_half(std::uint64_t key) noexcept {
+    return static_cast<std::uint32_t>(key);
+}
+
+/// Of a list of keys.
+struct Run {
+    std::uint32_t begin, end;
+};
+
+/// The points of each set that has any, as places and indices; `keys` has places and sets.
+std::vector<std::uint64_t> group_by_set(Span<const std::uint64_t> keys, std::uint32_t set_count,
+                                        std::vector<Run>& sets) {
+    std::vector<std::uint32_t> next(set_count);
+    for (const std::uint64_t key : keys) ++next[lower_half(key)];
+    std::uint32_t sum = 0;
+    for (std::uint32_t& count : next) {
+        if (count > 0) sets.push_back({sum, sum + count});
+        sum += std::exchange(count, sum);
+    }
+    std::vector<std::uint64_t> grouped(keys.size());
+    for (std::uint32_t i = 0; i < keys.size(); ++i) {
+        constexpr std::uint64_t kUpperHalf = 0xffffffff00000000u;
+        grouped[next[lower_half(keys[i])]++] = (keys[i] & kUpperHalf) | i;
+    }
+    return grouped;
+}
+
+/// The lower halves of `keys`, a few of each run in turn.
+std::vector<std::uint32_t> take_turns(Span<const std::uint64_t> keys, std::vector<Run> runs) {
+    constexpr std::uint32_t kAtATime = 16;
     std::vector<std::uint32_t> order;
     order.reserve(keys.size());
-    for (std::uint32_t done = 0; order.size() < keys.size(); done += kRunSize) {
-        std::uint32_t begin = 0;
-        for (const std::uint32_t end : ends) {
-            const std::uint32_t last = std::min(end - begin, done + kRunSize);
-            for (std::uint32_t i = done; i < last; ++i) {
-                order.push_back(static_cast<std::uint32_t>(keys[begin + i]));
-            }
-            begin = end;
+    while (!runs.empty()) {
+        for (Run& run : runs) {
+            const std::uint32_t end = std::min(run.end, run.begin + kAtATime);
+            while (run.begin < end) order.push_back(lower_half(keys[run.begin++]));
         }
+        const auto done = [](const Run& run) { return run.begin == run.end; };
+        runs.erase(std::remove_if(runs.begin(), runs.end(), done), runs.end());
     }
     return order;
 }
@@ -62,21 +117,14 @@ std::vector<std::uint32_t> take_turns(Span<const std::uint64_t> keys,
 
 std::vector<std::uint32_t> order_points(Span<const ShadingPoint> points, std::uint32_t set_count) {
     if (points.empty()) return {};
-    const MortonCurve curve(points);
-    // Counting sort by set, then each set by place; the index breaks ties.
-    std::vector<std::uint32_t> ends(set_count);
-    for (const ShadingPoint& point : points) ++ends[point.set];
-    std::uint32_t sum = 0;
-    for (std::uint32_t& end : ends) sum += std::exchange(end, sum);
-    std::vector<std::uint64_t> keys(points.size()), sorted(points.size());
-    for (std::uint32_t i = 0; i < points.size(); ++i) {
-        keys[ends[points[i].set]++] = (std::uint64_t{curve.place(points[i].position)} << 32) | i;
-    }
-    for_each_block(set_count, 1, [&](std::size_t set, std::size_t) {
-        const std::uint32_t begin = set == 0 ? 0 : ends[set - 1];
-        sort_keys(keys.data() + begin, sorted.data() + begin, ends[set] - begin);
+    std::vector<std::uint64_t> sorted = places_and_sets(points);
+    std::vector<Run> sets;
+    std::vector<std::uint64_t> keys = group_by_set(sorted, set_count, sets);
+    for_each_block(sets.size(), 1, [&](std::size_t set, std::size_t) {
+        const Run run = sets[set];
+        sort_keys(keys.data() + run.begin, sorted.data() + run.begin, run.end - run.begin);
     });
-    return take_turns(sorted, ends);
+    return take_turns(sorted, std::move(sets));
 }
 
 }  // namespace lightcull
