@@ -194,8 +194,9 @@ HWY_ATTR HWY_INLINE hn::Vec<D> mean_importance(D d, const ClusterMeans<kCount>& 
         softened(facing, hn::Add(across_emitter, hn::Mul(diffuse, mean_distance2)));
     const auto inverse = hn::Div(one, mean_distance2);
     // In this order nothing gets as large or small as a fourth power of the distance.
-    return hn::Mul(hn::Mul(load(d, clusters.intensity, i), hn::Mul(received, inverse)),
-                   hn::Mul(emitted, inverse));
+    const auto g = hn::Mul(hn::Mul(load(d, clusters.intensity, i), hn::Mul(received, inverse)),
+                           hn::Mul(emitted, inverse));
+    return hn::IfThenElseZero(hn::Gt(mean_distance2, hn::Set(d, kMinDistance2)), g);
 }
 
 }  // namespace cluster

@@ -54,8 +54,9 @@ inline float emitter_cosine(float cos_theta, Angle theta_o, float cos_theta_e,
     return cosine > cos_theta_e ? cosine : 0.0f;
 }
 
-/// Keeps 1 / d^2 finite for a point on a light without extent.
-inline constexpr float kMinDistance2 = 1e-30f;
+/// The least mean squared distance. A point on a light without extent is closer: the light gives it
+/// nothing that is defined, and 1 / d^2 would outweigh all that others give.
+inline constexpr float kMinDistance = 1e-15f, kMinDistance2 = kMinDistance * kMinDistance;
 
 /// The axis of a light, of about unit length.
 inline float3 axis_of(const LightRecord& light) noexcept {
@@ -126,7 +127,8 @@ inline float mean_of_lobe(float peak, float alpha2, float cosine, float angular_
 inline float importance(const LightRecord& light, const Approach& way,
                         const Receiver& receiver) noexcept {
     const float spread = kSpread * light.radius * light.radius;
-    const float mean_distance2 = std::max(way.distance2 + spread, kMinDistance2);
+    const float mean_distance2 = way.distance2 + spread;
+    if (!(mean_distance2 > kMinDistance2)) return 0.0f;
     const float inverse = 1.0f / std::sqrt(mean_distance2);
 
     const float3 normal = receiver.normal;

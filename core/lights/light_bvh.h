@@ -36,8 +36,8 @@ template <std::size_t kCount>
 struct ClusterMeans {
     float center[3][kCount];       ///< mean position, weighted by intensity
     float radius[kCount];          ///< of a sphere around center that holds all of the cluster
-    float spread[kCount];          ///< variance of position as the importance takes it, not 0;
-                                   ///< negative: a flat light, emission does not depend on it
+    float spread[kCount];          ///< variance of position as the importance takes it; negative: a
+                                   ///< flat light, emission does not depend on it
     float intensity[kCount];       ///< sum; 0: empty
     float axis[3][kCount];         ///< of the cone into which the cluster emits
     float apex[kCount];            ///< how far behind center the cone begins that holds those of

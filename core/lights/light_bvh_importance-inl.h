@@ -62,10 +62,14 @@ HWY_ATTR HWY_INLINE void compute_importances(const BoundsNode& node, const Light
         const auto wy = hn::Sub(load(node.center[1]), hn::Set(d, point.position.y));
         const auto wz = hn::Sub(load(node.center[2]), hn::Set(d, point.position.z));
         const auto distance = hn::Sqrt(dot(wx, wy, wz, wx, wy, wz));
-        // The bounds hold whatever the rounding of positions; it is never 0.
-        const auto rounding = hn::Set(d, point.rounding);
-        const auto radius = hn::Add(load(node.radius), rounding);
-        const auto inverse = hn::Div(one, hn::Max(distance, rounding));
+        // Bounds hold whatever the rounding of positions. A light without extent has none: at the
+        // points about it, those that it cannot reach among them, it would outweigh all else.
+        const auto bounds = load(node.radius);
+        const auto has_bounds = hn::Gt(bounds, hn::Zero(d));
+        const auto radius =
+            hn::Add(bounds, hn::IfThenElseZero(has_bounds, hn::Set(d, point.rounding)));
+        const auto least_distance = hn::Set(d, kMinDistance);
+        const auto inverse = hn::Div(one, hn::Max(distance, least_distance));
 
         const auto half_sine = hn::Min(hn::Mul(radius, inverse), one);
         const AngleVec half_view{half_sine, other_of(half_sine)};
@@ -105,7 +109,8 @@ HWY_ATTR HWY_INLINE void compute_importances(const BoundsNode& node, const Light
             hn::Div(one, hn::Max(distance, hn::Mul(hn::Set(d, 0.5f), radius)));
         const auto fall_off =
             hn::Mul(hn::Mul(load(node.intensity), inverse_clamped), inverse_clamped);
-        hn::Store(hn::Mul(fall_off, factor), d, result + i);
+        const auto apart = hn::Gt(hn::Max(distance, radius), least_distance);
+        hn::Store(hn::IfThenElseZero(apart, hn::Mul(fall_off, factor)), d, result + i);
     }
 }
 

@@ -32,7 +32,7 @@ void set_position(MeansNode& node, std::size_t place, const LightCluster& cluste
     // Found by measuring the variance of the estimate: flat between 0.4 and 0.7.
     constexpr float kSpreadOfVariance = 0.55f;
     const float spread =
-        std::max({kSpreadOfVariance * cluster.variance, kLeastSpread * radius * radius, 1e-30f});
+        std::max(kSpreadOfVariance * cluster.variance, kLeastSpread * radius * radius);
     node.spread[place] = cluster.flat ? -spread : spread;
 }
 
@@ -105,8 +105,9 @@ void fill_slot(MeansNode& node, std::size_t place, const LightCluster& cluster,
     const bool is_node = kind == SlotKind::kNode;
     const float radius = is_node ? cluster.radius * kRoundUp + kLeastRadius : cluster.radius;
     set_position(node, place, cluster, radius);
-    // One plane bounds what a flat light reaches.
-    set_cone(node, place, cluster.cone, cluster.flat ? 0.0f : radius,
+    // One plane bounds what a flat light reaches; at the light, by what its axis may be off.
+    const float thickness = std::sqrt(kSpread) * kAxisRounding * radius;
+    set_cone(node, place, cluster.cone, cluster.flat ? thickness : radius,
              is_node ? kAngleMargin : kAxisRounding);
     set_emission(node, place, cluster);
 }

@@ -14,12 +14,7 @@ from lightcull.selftest.model import Case, Finding, worst
 from lightcull.selftest.run import all_cases
 
 KNOWN_FAILURES = {
-    "origin 1e7 scene sizes away": "light_bvh:importance=means never chooses a light that is seen",
-    "points one ulp off lights": "light_bvh:importance=means never chooses the light it is on",
     "powers over twelve decades": "culled finds none of the dim lights that are all a point sees",
-    "points on lights": "the group of the light outweighs all others though it gives nothing",
-    "points inside bounding spheres": "the group of the light outweighs all others",
-    "points 1e-20 m from lights": "the group of the light outweighs all others",
 }
 """Of samplers; each has to be taken off this list once it passes."""
 
