@@ -114,8 +114,7 @@ std::vector<Selection> selections_from(const py::object& array, Points& points,
         if (selections[i].prob > 0.0f && selections[i].light >= sampler.light_count())
             throw_row_error("selections", i, "the light is none of this sampler's");
         const float sum = selections[i].receipt.weight_sum;
-        if (!(sum >= 0.0f && std::isfinite(sum)))
-            throw_row_error("selections", i, "the weight_sum is not finite and >= 0");
+        if (!std::isfinite(sum)) throw_row_error("selections", i, "the weight_sum is not finite");
         points[i].set = selections[i].receipt.key;
     }
     return selections;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <vector>
 
 #include "lights/kernels.h"
@@ -22,6 +23,11 @@ namespace {
 /// Every accepted group of lights is weighed by g / p while the tree is walked, and one is kept;
 /// its light is then found down a light BVH. The mean over xi of [i accepted] (g_i / p_i) / W /
 /// prob is 1 for prob = g_i / W.
+///
+/// Where no group is accepted, the light BVH chooses among all lights, so that a point that few
+/// ranges cover, or only those of dim lights, is not left in the dark. Given the ranges of all
+/// others, a group that is accepted alone is chosen with p + (1 - p) q, where q is what the BVH
+/// gives it: that is prob then, whichever way it was chosen.
 class CulledSampler final : public LightSampler {
   public:
     CulledSampler(const Frame& frame, LightGroups groups, const RandomRanges& ranges)
@@ -41,7 +47,7 @@ class CulledSampler final : public LightSampler {
         descent.point = x;
         start(choice, u, descent);
         kernels().means.descend(groups_.bvh, {&descent, 1});
-        return result(descent, {choice.weight_sum, point.set});
+        return result(descent, receipt_of(point.set, choice, x));
     }
 
     /// Sixteen points at a time, of one set and near each other.
@@ -56,8 +62,8 @@ class CulledSampler final : public LightSampler {
         });
     }
 
-    /// Of the group g / W', with W' = W if it was accepted, else W + w (DESIGN section 3, MIS);
-    /// times that of the light within it.
+    /// Of the group g / W', with W' = W if it was accepted, else W + w (DESIGN section 3, MIS),
+    /// unless no other was accepted; times that of the light within it.
     float prob(const ShadingPoint& point, const Receipt& receipt,
                std::uint32_t light) const noexcept override {
         const std::uint32_t index = groups_.group_of[light];
@@ -65,16 +71,16 @@ class CulledSampler final : public LightSampler {
         const LightGroup& group = groups_.groups[index];
         const LightBvhPoint x = to_local(point);
         const float g = importance(group, x);
-        if (!(g > 0.0f)) return 0.0f;
         const Approach way = approach(x.position, group.position());
-        const float sum = tree_.accepts(index, receipt.key, way)
+        const bool accepted = g > 0.0f && tree_.accepts(index, receipt.key, way);
+        if (receipt.weight_sum == 0.0f || (accepted && is_alone(receipt))) {
+            return prob_without_others(x, index, light);
+        }
+        if (!(g > 0.0f)) return 0.0f;
+        const float sum = accepted
                               ? receipt.weight_sum
-                              : receipt.weight_sum + g * tree_.inverse_prob(index, way);
-        const bool alone = (group.child[0] & LightBvhNode::kLight) != 0;
-        if (alone) return g / sum;
-        const double prob_of_group = static_cast<double>(g / sum);
-        return static_cast<float>(
-            kernels().means.prob_of_light(groups_.bvh, x, light, prob_of_group));
+                              : std::abs(receipt.weight_sum) + g * tree_.inverse_prob(index, way);
+        return prob_of_light(x, group, light, static_cast<double>(g / sum));
     }
 
     std::uint32_t set_count() const noexcept override { return tree_.ranges().set_count(); }
@@ -101,21 +107,85 @@ class CulledSampler final : public LightSampler {
         return {frame_.position(point.position), Receiver(point)};
     }
 
-    /// Puts a descent at the top of the group that was chosen, or at its end if none was.
+    static bool is_alone(const Receipt& receipt) noexcept { return receipt.weight_sum < 0.0f; }
+
+    /// Of a light in a group of that probability.
+    float prob_of_light(const LightBvhPoint& x, const LightGroup& group, std::uint32_t light,
+                        double prob_of_group) const noexcept {
+        const bool alone = (group.child[0] & LightBvhNode::kLight) != 0;
+        if (alone) return static_cast<float>(prob_of_group);
+        const LightBvhSlot slot = groups_.bvh.slots[light];
+        return static_cast<float>(
+            kernels().means.prob_of_slot(groups_.bvh, x, slot, prob_of_group));
+    }
+
+    /// Of a light where no group is accepted, or its own alone.
+    float prob_without_others(const LightBvhPoint& x, std::uint32_t index,
+                              std::uint32_t light) const noexcept {
+        const LightGroup& group = groups_.groups[index];
+        const Approach way = approach(x.position, group.position());
+        double p = 0.0;
+        if (importance(group, x) > 0.0f) {
+            p = 1.0 / static_cast<double>(tree_.inverse_prob(index, way));
+        }
+        const double q = kernels().means.prob_of_slot(groups_.bvh, x, groups_.slots[index], 1.0);
+        return prob_of_light(x, group, light, p + (1.0 - p) * q);
+    }
+
+    /// Puts a descent at the top of the group that was chosen, or of all if none was.
     void start(const GroupChoice& choice, float u, LightBvhDescent& descent) const noexcept {
         if (choice.weight_sum > 0.0f) {
             descent.place = uniform_double(hash(float_bits(u), choice.record));
             descent.prob = static_cast<double>(choice.numerator / choice.weight_sum);
             descent.child = groups_.groups[choice.record].child[0];
+        } else if (!groups_.bvh.nodes.empty()) {
+            descent.place = uniform_double(hash(float_bits(u), LightGroups::kNoGroup));
+            descent.prob = 1.0;
+            descent.child = 0;
         } else {
             descent.prob = 0.0;
             descent.child = LightBvhNode::kLight;
         }
     }
 
-    static Selection result(const LightBvhDescent& descent, const Receipt& receipt) noexcept {
+    /// With the weight of a group that was accepted alone negative, unless its p is 1, which makes
+    /// no difference.
+    Receipt receipt_of(std::uint32_t set, const GroupChoice& choice,
+                       const LightBvhPoint& x) const noexcept {
+        const bool alone = may_be_alone(choice, x) && accepted_count(x, set) == 1;
+        return {alone ? -choice.weight_sum : choice.weight_sum, set};
+    }
+
+    /// Whether the weight of the chosen group is the sum of all. Others may have been accepted and
+    /// yet be too light to change it.
+    bool may_be_alone(const GroupChoice& choice, const LightBvhPoint& x) const noexcept {
+        const float g = choice.numerator, sum = choice.weight_sum;
+        if (!(g < sum)) return false;
+        const LightGroup& group = groups_.groups[choice.record];
+        const Approach way = approach(x.position, group.position());
+        // First a bound on the weight, which is cheap.
+        constexpr float kRoundUp = 1.0f + 1e-5f;
+        const float limit = tree_.ranges().limit(group.intensity[0]);
+        if (sum * limit > g * way.distance2 * kRoundUp) return false;
+        return g * tree_.inverse_prob(choice.record, way) == sum;
+    }
+
+    std::uint32_t accepted_count(const LightBvhPoint& x, std::uint32_t set) const noexcept {
+        std::uint32_t count = 0;
+        tree_.for_accepted(x, set, [&](Span<const std::uint32_t> records) {
+            for (const std::uint32_t record : records) {
+                count += importance(groups_.groups[record], x) > 0.0f ? 1 : 0;
+            }
+        });
+        return count;
+    }
+
+    Selection result(const LightBvhDescent& descent, const Receipt& receipt) const noexcept {
         if (!(descent.prob > 0.0)) return {0, 0.0f, receipt};
-        return {descent.child & ~LightBvhNode::kLight, static_cast<float>(descent.prob), receipt};
+        const std::uint32_t light = descent.child & ~LightBvhNode::kLight;
+        if (receipt.weight_sum > 0.0f) return {light, static_cast<float>(descent.prob), receipt};
+        const float prob = prob_without_others(descent.point, groups_.group_of[light], light);
+        return {light, prob, receipt};
     }
 
     /// As many of the points that `order` names as go into one packet; their number.
@@ -138,13 +208,15 @@ class CulledSampler final : public LightSampler {
         prefetch({order.data() + count, next}, points, u, selections);
         PacketChoice packet{};
         kernels().select_packet(tree_, groups_.groups.data(), builder.packet(), packet);
+        std::array<Receipt, PointPacket::kSize> receipts;
         for (std::size_t i = 0; i < count; ++i) {
-            start({packet.weight_sum[i], packet.numerator[i], packet.record[i]}, u[order[i]],
-                  descents[i]);
+            const GroupChoice choice{packet.weight_sum[i], packet.numerator[i], packet.record[i]};
+            receipts[i] = receipt_of(set, choice, descents[i].point);
+            start(choice, u[order[i]], descents[i]);
         }
         kernels().means.descend(groups_.bvh, {descents.data(), count});
         for (std::size_t i = 0; i < count; ++i) {
-            selections[order[i]] = result(descents[i], {packet.weight_sum[i], set});
+            selections[order[i]] = result(descents[i], receipts[i]);
         }
         return count;
     }

@@ -21,7 +21,7 @@ namespace HWY_NAMESPACE {
 
 template <typename Node>
 constexpr LightBvhKernels<Node> kBvhKernels{bvh::compute_importances, bvh::descend<Node>,
-                                            bvh::prob_of_light<Node>};
+                                            bvh::prob_of_slot<Node>};
 
 constexpr Kernels kKernels{walk::find_leaves,     groups::importance, groups::weigh,
                            packet::select_packet, refit::refit_nodes, kBvhKernels<BoundsNode>,

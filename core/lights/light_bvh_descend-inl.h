@@ -93,12 +93,11 @@ HWY_ATTR void descend(const LightBvh<Node>& bvh, Span<LightBvhDescent> descents)
 }
 
 template <typename Node>
-HWY_ATTR double prob_of_light(const LightBvh<Node>& bvh, const LightBvhPoint& point,
-                              std::uint32_t light, double prob) {
+HWY_ATTR double prob_of_slot(const LightBvh<Node>& bvh, const LightBvhPoint& point,
+                             LightBvhSlot slot, double prob) {
     LightBvhSlot path[LightBvh<Node>::kMaxDepth];
     std::size_t depth = 0;
-    for (LightBvhSlot slot = bvh.slots[light]; slot != LightBvh<Node>::kNoSlot;
-         slot = bvh.parents[slot / kWidth]) {
+    for (; slot != LightBvh<Node>::kNoSlot; slot = bvh.parents[slot / kWidth]) {
         path[depth++] = slot;
     }
     if (depth == 0) return 0.0;

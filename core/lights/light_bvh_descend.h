@@ -63,10 +63,10 @@ struct LightBvhKernels {
     /// cost less together than one after the other: one computes while others wait for memory.
     void (*descend)(const LightBvh<Node>& bvh, Span<LightBvhDescent> descents);
 
-    /// The probability of a light: to the bit what a descent that takes it finds if it starts with
-    /// `prob`.
-    double (*prob_of_light)(const LightBvh<Node>& bvh, const LightBvhPoint& point,
-                            std::uint32_t light, double prob);
+    /// The probability of what a slot holds: to the bit what a descent finds that takes it, if it
+    /// starts with `prob` where LightBvh::parents end. 0 for kNoSlot.
+    double (*prob_of_slot)(const LightBvh<Node>& bvh, const LightBvhPoint& point, LightBvhSlot slot,
+                           double prob);
 };
 inline constexpr std::size_t kMaxDescents = 16;
 

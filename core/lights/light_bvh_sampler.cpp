@@ -46,7 +46,8 @@ class LightBvhSampler final : public LightSampler {
 
     float prob(const ShadingPoint& point, const Receipt&,
                std::uint32_t light) const noexcept override {
-        return static_cast<float>(of_bvh().prob_of_light(bvh_, to_local(point), light, 1.0));
+        return static_cast<float>(
+            of_bvh().prob_of_slot(bvh_, to_local(point), bvh_.slots[light], 1.0));
     }
 
     /// Of the selection with u = 0.5. All children of the nodes on its way are tested; those that

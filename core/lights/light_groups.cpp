@@ -38,6 +38,7 @@ class Grouping {
             }
             const auto group = static_cast<std::uint32_t>(out_.groups.size());
             out_.groups.emplace_back().set(0, node, slot);
+            out_.slots.push_back(n * kWidth + slot);
             if (!is_light(child)) out_.bvh.parents[child] = LightBvh<MeansNode>::kNoSlot;
             give(child, group);
         }
@@ -90,13 +91,17 @@ std::vector<RangedLight> LightGroups::ranged() const {
 
 void LightGroups::reorder(const std::vector<std::uint32_t>& order) {
     std::vector<LightGroup> ordered;
+    std::vector<LightBvhSlot> ordered_slots;
     ordered.reserve(groups.size());
+    ordered_slots.reserve(groups.size());
     std::vector<std::uint32_t> place(groups.size());
     for (std::uint32_t i = 0; i < order.size(); ++i) {
         ordered.push_back(groups[order[i]]);
+        ordered_slots.push_back(slots[order[i]]);
         place[order[i]] = i;
     }
     groups = std::move(ordered);
+    slots = std::move(ordered_slots);
     for (std::uint32_t& group : group_of) {
         if (group != kNoGroup) group = place[group];
     }
@@ -104,7 +109,7 @@ void LightGroups::reorder(const std::vector<std::uint32_t>& order) {
 
 std::size_t LightGroups::memory_size() const noexcept {
     return size_of(bvh.nodes) + size_of(bvh.parents) + size_of(bvh.slots) + size_of(groups) +
-           size_of(group_of);
+           size_of(slots) + size_of(group_of);
 }
 
 float importance(const LightGroup& group, const LightBvhPoint& point) noexcept {

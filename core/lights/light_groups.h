@@ -24,6 +24,7 @@ struct LightGroups {
 
     LightBvh<MeansNode> bvh;  ///< `parents` end at the subtree of a group: kNoSlot above it
     std::vector<LightGroup> groups;
+    std::vector<LightBvhSlot> slots;      ///< by group: the slot that it is
     std::vector<std::uint32_t> group_of;  ///< by light; kNoGroup for a light of intensity 0
 
     /// The groups, as a RangeTree takes them.

@@ -62,9 +62,10 @@ TEST_CASE("every instruction set, batch size and number of threads gives the sca
     const BestAgain best_again;
     const std::vector<Light> lights = mixed_lights(3000, 33, 8.0f);
     CHECK(instruction_sets().back() == "scalar");
-    for (const char* description : {"culled:sets=1", "culled:sets=16:accepted=4:group=1",
-                                    "culled:sets=64:group=8", "culled:sets=4:group=40", "light_bvh",
-                                    "light_bvh:importance=means", "clamped", "exhaustive"}) {
+    for (const char* description :
+         {"culled:sets=1", "culled:sets=16:accepted=4:group=1", "culled:sets=64:group=8",
+          "culled:sets=4:group=40", "culled:sets=4:accepted=0.3:group=20", "light_bvh",
+          "light_bvh:importance=means", "clamped", "exhaustive"}) {
         CAPTURE(description);
         for (const std::uint32_t points : {0u, 1u, 7u, 8u, 9u, 17u, 600u}) {
             CAPTURE(points);

@@ -31,7 +31,8 @@ struct ShadingPoint {
 
 /// What a path carries from select() to prob() for multiple importance sampling.
 struct Receipt {
-    float weight_sum = 0.0f;  ///< W: sum of the weights of all accepted lights
+    float weight_sum = 0.0f;  ///< W: sum of the weights of all accepted lights; of `culled`
+                              ///< negative where it is the weight of one alone
     std::uint32_t key = 0;    ///< the set that was used
 };
 
