@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cassert>
+
 #include "lights/kernels.h"
 #include "lights/sphere_tree.h"
 
@@ -18,12 +20,18 @@ class TreeWalk {
     }
 
     bool over() const noexcept { return begin_ == end_; }
-    std::uint32_t take() noexcept { return nodes_[first_in_first_out_ ? begin_++ : --end_]; }
+    std::uint32_t take() noexcept {
+        assert(!over());
+        return nodes_[first_in_first_out_ ? begin_++ : --end_];
+    }
 
     /// Where to write what is found, up to SphereNode::kWidth nodes.
     std::uint32_t* new_nodes() noexcept { return nodes_ + end_; }
     /// After `count` of them were written.
-    void add(std::uint32_t count) noexcept { end_ += count; }
+    void add(std::uint32_t count) noexcept {
+        end_ += count;
+        assert(end_ <= kRoom);
+    }
 
   private:
     static constexpr std::uint32_t kRoom = 4096;
