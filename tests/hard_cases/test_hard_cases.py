@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import importlib
+import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -89,7 +91,10 @@ def test_the_instruction_set_is_put_back() -> None:
 
 @pytest.mark.parametrize("passes", [True, False])
 def test_the_command_ends_with_a_count(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], passes: bool
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path,
+    passes: bool,
 ) -> None:
     cases = [
         Case("good", lambda: iter([Finding("x", 0.0, 0.0)])),
@@ -97,10 +102,15 @@ def test_the_command_ends_with_a_count(
     ]
     module = importlib.import_module("lightcull.selftest.run")
     monkeypatch.setattr(module, "all_cases", lambda: cases)
-    assert main(["selftest"]) == (0 if passes else 1)
+    table = tmp_path / "selftest.json"
+    assert main(["selftest", "--json", str(table)]) == (0 if passes else 1)
     count = len(_core.instruction_sets())
     lines = capsys.readouterr().out.splitlines()
     assert lines[-1] == (
         f"{count + 1} passed, 0 failed" if passes else f"{count} passed, 1 failed"
     )
+    rows = json.loads(table.read_text())
+    assert [row["case"] for row in rows] == ["good"] * count + ["other"]
+    assert [row["passed"] for row in rows] == [True] * count + [passes]
+    assert rows[-1]["error"] == (0 if passes else 1) and rows[-1]["allowed"] == 0
     assert passes or lines[-2] == "other (all): y: 1, allowed 0"

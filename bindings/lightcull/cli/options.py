@@ -109,6 +109,7 @@ examples:
 _SELFTEST_EXAMPLES = """\
 examples:
   lightcull selftest                                      a minute or two
+  lightcull selftest --json selftest.json                 and a row for each case and instruction set
 
 Numbers that are hard to compute with: tiny, huge and distant scenes, points on lights and in their
 planes, powers over twelve decades, needles, edges of ranges, furnaces. Each case shows our error
@@ -169,7 +170,8 @@ def make_parser() -> argparse.ArgumentParser:
     _add_shared(compare, seconds=30, output="report", output_help="folder to write")
 
     _add_scene(add("info", "say what is in a scene", _INFO_EXAMPLES))
-    add("selftest", "check hard cases on this machine", _SELFTEST_EXAMPLES)
+    selftest = add("selftest", "check hard cases on this machine", _SELFTEST_EXAMPLES)
+    selftest.add_argument("--json", metavar="FILE", help="file to write the results to")
     _add_bench(add("bench", "measure what a selection costs", _BENCH_EXAMPLES))
     return parser
 

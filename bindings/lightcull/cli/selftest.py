@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+import json
+import math
 from collections.abc import Sequence
 from itertools import groupby
 
@@ -12,15 +14,21 @@ from rich.table import Table
 
 from .. import selftest
 from .._core import Error
+from ..images import check_output, write_whole_file
 from ..selftest.model import Result, worst
 
 
 def run(options: argparse.Namespace, arguments: Sequence[str], messages: Console) -> bool:
-    """Runs the hard cases and prints a table of them. Throws Error if one fails."""
+    """Runs the hard cases, prints a table of them and writes the JSON. Throws Error if one fails."""
+    if options.json is not None:
+        check_output(options.json)
     results: list[Result] = []
     with messages.status("") as status:
         for result in selftest.run(progress=status.update):
             results.append(result)
+    if options.json is not None:
+        text = json.dumps([_row(result) for result in results], indent=2, allow_nan=False)
+        write_whole_file(options.json, (text + "\n").encode())
     Console(highlight=False).print(_table(results))
     failed = [result for result in results if not result.passed]
     for result in failed:
@@ -33,6 +41,20 @@ def run(options: argparse.Namespace, arguments: Sequence[str], messages: Console
     if failed:
         raise Error("the hard cases have not all passed")
     return True
+
+
+def _row(result: Result) -> dict[str, object]:
+    """null for an error that is no number."""
+    error = float(result.finding.error)
+    return {
+        "case": result.case,
+        "instruction_set": result.target,
+        "of": result.finding.what,
+        "error": error if math.isfinite(error) else None,
+        "allowed": float(result.finding.allowed),
+        "passed": bool(result.passed),
+        "note": result.note,
+    }
 
 
 def _table(results: Sequence[Result]) -> Table:
