@@ -2,12 +2,64 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ._core import Error
 
-_BYTES_PER_PIXEL = 24 + 12 + 2 * 12
+if TYPE_CHECKING:
+    from .render import RenderJob
+
+_BYTES_TAKEN = 2 * 12
+"""Per pixel, of the image as it is taken."""
+_BYTES_PER_PIXEL = 24 + 12 + _BYTES_TAKEN
 """Sums of the passes, the pass under way, and the image as it is taken."""
+
+
+@dataclass(frozen=True)
+class Need:
+    """What a render takes of memory, bytes."""
+
+    program: int
+    """Python, libraries, and what is left over from making the scene."""
+    scene: int
+    """Geometry, materials, textures and lights."""
+    bvh: int
+    """Embree's."""
+    sampler: int
+    """Its trees, with all sets of ranges."""
+    image: int
+    """Sums of the passes, the pass under way, and the image as it is taken."""
+    paths: int
+    """Those that are traced at a time."""
+    setup: int
+    """What all of the process came to at most until the first pass."""
+
+    @property
+    def peak(self) -> int:
+        """The most at any time, set-up included."""
+        parts = (self.program, self.scene, self.bvh, self.sampler, self.image, self.paths)
+        return max(self.setup, sum(parts))
+
+
+def of_render(job: RenderJob, size: tuple[int, int]) -> Need:
+    """What a render that is set up in this process will have needed once it is done."""
+    scene, renderer = job.memory_size()
+    there = scene.data + scene.bvh + renderer.sampler + renderer.film
+    return Need(
+        program=max(_of_process("VmRSS") - there, 0),
+        scene=scene.data,
+        bvh=scene.bvh,
+        sampler=renderer.sampler,
+        image=renderer.film + size[0] * size[1] * _BYTES_TAKEN,
+        paths=renderer.paths,
+        setup=_of_process("VmHWM"),
+    )
+
+
+def _of_process(field: str) -> int:
+    return _bytes_by_name("/proc/self/status")[field]
 
 
 def of_image(size: tuple[int, int]) -> int:
@@ -28,13 +80,20 @@ def check_image(size: tuple[int, int]) -> None:
 def available() -> int | None:
     """Bytes that this machine has free, swap included; None where it does not say."""
     try:
-        lines = Path("/proc/meminfo").read_text().splitlines()
+        free = _bytes_by_name("/proc/meminfo")
     except OSError:
         return None
-    kilobytes = {line.split(":")[0]: int(line.split()[1]) for line in lines}
-    return 1024 * (kilobytes["MemAvailable"] + kilobytes["SwapFree"])
+    return free["MemAvailable"] + free["SwapFree"]
+
+
+def _bytes_by_name(path: str) -> dict[str, int]:
+    """What a file of the system gives in kB."""
+    lines = (line.split() for line in Path(path).read_text().splitlines())
+    return {words[0].rstrip(":"): 1024 * int(words[1]) for words in lines if words[2:] == ["kB"]}
 
 
 def text(size: float) -> str:
     """Bytes, for people to read."""
-    return f"{size / 2**30:.1f} GiB" if size >= 2**30 else f"{size / 2**20:.0f} MiB"
+    if size >= 2**30:
+        return f"{size / 2**30:.1f} GiB"
+    return f"{size / 2**20:.0f} MiB" if size >= 10 * 2**20 else f"{size / 2**20:.1f} MiB"

@@ -6,14 +6,19 @@ import hashlib
 import json
 import os
 import warnings
+import zlib
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from io import BytesIO
 from pathlib import Path
 from typing import TypeAlias
+from zipfile import BadZipFile
 
 import numpy as np
 
 from . import machine
+from ._core import Error
+from .images import write_whole_file
 from .render import Budget, RenderSettings
 from .report import Reference
 from .report.metrics import relmse_of_mean
@@ -102,25 +107,24 @@ def _read(path: Path, order: ReferenceOrder) -> Reference | None:
                 spp=int(data["spp"]),
                 relmse_of_itself=float(data["relmse_of_itself"]),
             )
-    except (OSError, KeyError, ValueError) as error:
+    except (OSError, EOFError, KeyError, ValueError, BadZipFile, zlib.error) as error:
         warnings.warn(f"{path}: broken, rendered anew: {error}", stacklevel=2)
         return None
 
 
 def _write(path: Path, order: ReferenceOrder, reference: Reference) -> None:
-    part = path.with_name(f"{path.stem}.{os.getpid()}.part.npz")
+    data = BytesIO()
+    np.savez(
+        data,
+        image=reference.image,
+        spp=reference.spp,
+        relmse_of_itself=reference.relmse_of_itself,
+        budget=order.budget.total,
+        unit=_unit(order),
+    )
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        np.savez(
-            part,
-            image=reference.image,
-            spp=reference.spp,
-            relmse_of_itself=reference.relmse_of_itself,
-            budget=order.budget.total,
-            unit=_unit(order),
-        )
-        part.replace(path)
-    except OSError as error:
+        write_whole_file(path, data.getvalue())
+    except Error as error:
         warnings.warn(f"the reference is not kept: {error}", stacklevel=2)
 
 

@@ -116,8 +116,9 @@ class RenderJob:
     def __init__(self, scene: Scene, sampler: str, settings: RenderSettings) -> None:
         self.sampler = checks.text("sampler", sampler)
         self._setup_seconds_before = 0.0
+        self._scene = scene.closed()
         self._renderer = _core.Renderer(
-            scene.closed(), sampler, *settings.size, settings.max_depth, settings.seed,
+            self._scene, sampler, *settings.size, settings.max_depth, settings.seed,
             settings.threads,
         )  # fmt: skip
 
@@ -142,6 +143,10 @@ class RenderJob:
     def mean_counts(self) -> _core.MeanCounts:
         """Mean cost of one selection at camera points. After the first pass."""
         return self._renderer.mean_counts()
+
+    def memory_size(self) -> tuple[_core.SceneMemory, _core.RendererMemory]:
+        """Bytes, of the scene and of all else."""
+        return self._scene.memory_size(), self._renderer.memory_size()
 
     def stats(self) -> Stats:
         core = self._renderer.stats()

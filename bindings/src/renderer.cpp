@@ -113,6 +113,7 @@ class InterruptibleRenderer {
         return python::mean_counts(sampler, points, points.size());
     }
 
+    RendererMemory memory_size() const noexcept { return renderer_->memory_size(); }
     double setup_seconds() const noexcept { return setup_seconds_; }
 
   private:
@@ -155,6 +156,10 @@ void bind_renderer(py::module_& module) {
         .def_readonly("selection_seconds", &RenderStats::selection_seconds)
         .def_readonly("selections", &RenderStats::selections)
         .def_readonly("rays", &RenderStats::rays);
+    py::class_<RendererMemory>(module, "RendererMemory")
+        .def_readonly("sampler", &RendererMemory::sampler)
+        .def_readonly("film", &RendererMemory::film)
+        .def_readonly("paths", &RendererMemory::paths);
     py::class_<MeanCounts>(module, "MeanCounts")
         .def_readonly("nodes_visited", &MeanCounts::nodes_visited)
         .def_readonly("lights_tested", &MeanCounts::lights_tested)
@@ -168,6 +173,7 @@ void bind_renderer(py::module_& module) {
         .def("restore", &InterruptibleRenderer::restore)
         .def("stats", &InterruptibleRenderer::stats)
         .def("mean_counts", &InterruptibleRenderer::mean_counts)
+        .def("memory_size", &InterruptibleRenderer::memory_size)
         .def("setup_seconds", &InterruptibleRenderer::setup_seconds);
 }
 

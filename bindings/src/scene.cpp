@@ -89,6 +89,9 @@ py::object lights_of(const Scene& scene) {
 
 void bind_scene(py::module_& module) {
     module.attr("NO_TEXTURE") = kNoTexture;
+    py::class_<SceneMemory>(module, "SceneMemory")
+        .def_readonly("data", &SceneMemory::data)
+        .def_readonly("bvh", &SceneMemory::bvh);
     py::class_<Scene, std::shared_ptr<Scene>>(module, "Scene")
         .def(py::init<>())
         .def("add_texture",
@@ -108,7 +111,8 @@ void bind_scene(py::module_& module) {
         .def("commit", &Scene::commit, py::call_guard<py::gil_scoped_release>())
         .def("lights", &lights_of)
         .def("triangle_count", &Scene::triangle_count)
-        .def("has_environment", &Scene::has_environment);
+        .def("has_environment", &Scene::has_environment)
+        .def("memory_size", &Scene::memory_size);
 }
 
 }  // namespace lightcull::python

@@ -17,6 +17,10 @@ namespace {
     throw Error(path + ": cannot write: " + std::generic_category().message(error));
 }
 
+std::filesystem::path folder_of(const std::filesystem::path& path) {
+    return path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
+}
+
 /// Closes a file descriptor, and removes the file unless it has been kept.
 class PartialFile {
   public:
@@ -44,7 +48,8 @@ class PartialFile {
         }
     }
 
-    /// Gives the file its final name, once its bytes are on the disk.
+    /// Gives the file its final name, once its bytes are on the disk, and brings the name there
+    /// too.
     void keep() {
         if (::fsync(descriptor_) != 0) fail(path_, errno);
         const int closed = ::close(descriptor_);
@@ -52,9 +57,23 @@ class PartialFile {
         if (closed != 0) fail(path_, errno);
         if (::rename(name_.c_str(), path_.c_str()) != 0) fail(path_, errno);
         kept_ = true;
+        sync_folder();
     }
 
   private:
+    void sync_folder() const {
+        const std::string folder = folder_of(path_).string();
+        const int folder_descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+        // A folder that may be written to but not read cannot be synchronised by its user, nor can
+        // one of a file system that has no such thing. The file is whole under its name all the
+        // same.
+        if (folder_descriptor < 0) return;
+        const bool failed = ::fsync(folder_descriptor) != 0 && errno != EINVAL && errno != EROFS;
+        const int error = errno;
+        ::close(folder_descriptor);
+        if (failed) fail(path_, error);
+    }
+
     const std::string name_;
     const std::string& path_;
     int descriptor_;
@@ -72,10 +91,9 @@ std::string partial_name(const std::string& path) {
 /// Removes the partial files of that path that nobody is writing any more.
 void remove_abandoned(const std::filesystem::path& path) {
     const std::string prefix = path.filename().string() + kPartial;
-    const auto folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
     std::error_code error;
-    for (std::filesystem::directory_iterator entry(folder, error), end; !error && entry != end;
-         entry.increment(error)) {
+    for (std::filesystem::directory_iterator entry(folder_of(path), error), end;
+         !error && entry != end; entry.increment(error)) {
         if (entry->path().filename().string().rfind(prefix, 0) != 0) continue;
         const int descriptor = ::open(entry->path().c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
         if (descriptor < 0) continue;

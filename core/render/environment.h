@@ -1,6 +1,7 @@
 #pragma once
 
 #include "base/alias_table.h"
+#include "lights/memory_size.h"
 #include "render/vec.h"
 
 #include <lightcull/render/scene.h>
@@ -27,6 +28,11 @@ class EnvironmentMap {
     float pdf(const V3f& direction) const noexcept;
     /// cell and u in [0, 1).
     EnvironmentSample sample(double cell, const V2f& u) const noexcept;
+
+    /// Bytes.
+    std::size_t memory_size() const noexcept {
+        return size_of(map_.texels) + cells_.memory_size() + size_of(pdfs_);
+    }
 
   private:
     V2f to_map(const V3f& direction) const noexcept;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "lights/memory_size.h"
 #include "render/vec.h"
 
 #include <lightcull/span.h>
@@ -24,6 +25,9 @@ class Film {
     /// Three numbers per pixel, and how to go on from them.
     const std::vector<Imath::V3d>& sums() const noexcept { return sums_; }
     void restore(Span<const double> sums, std::uint64_t passes) noexcept;
+
+    /// Bytes.
+    std::size_t memory_size() const noexcept { return size_of(sums_); }
 
   private:
     std::vector<Imath::V3d> sums_;

@@ -4,7 +4,10 @@
 
 #include <lightcull/error.h>
 
+#include <sys/types.h>
+
 #include <algorithm>
+#include <atomic>
 #include <cstddef>
 #include <cstring>
 #include <string>
@@ -43,6 +46,7 @@ void prepare(RTCRay16& packet) noexcept {
 struct RayTracer::Handles {
     RTCDevice device = nullptr;
     RTCScene scene = nullptr;
+    std::atomic<::ssize_t> bytes{0};  ///< that Embree has taken and not given back
 
     Handles() = default;
     Handles(const Handles&) = delete;
@@ -50,6 +54,14 @@ struct RayTracer::Handles {
     ~Handles() {
         if (scene != nullptr) rtcReleaseScene(scene);
         if (device != nullptr) rtcReleaseDevice(device);
+    }
+
+    void count_memory() {
+        const auto add = [](void* bytes, ::ssize_t change, bool) {
+            static_cast<std::atomic<::ssize_t>*>(bytes)->fetch_add(change);
+            return true;
+        };
+        rtcSetDeviceMemoryMonitorFunction(device, add, &bytes);
     }
 
     void check() const {
@@ -65,6 +77,7 @@ RayTracer::RayTracer(Span<const V3f> positions, Span<const std::uint32_t> indice
     : handles_(std::make_unique<Handles>()) {
     handles_->device = rtcNewDevice(nullptr);
     handles_->check();
+    handles_->count_memory();
     handles_->scene = rtcNewScene(handles_->device);
     // No light leaks along shared edges.
     rtcSetSceneFlags(handles_->scene, RTC_SCENE_FLAG_ROBUST);
@@ -81,6 +94,10 @@ RayTracer::RayTracer(Span<const V3f> positions, Span<const std::uint32_t> indice
     }
     rtcCommitScene(handles_->scene);
     handles_->check();
+}
+
+std::size_t RayTracer::memory_size() const noexcept {
+    return static_cast<std::size_t>(std::max<::ssize_t>(handles_->bytes, 0));
 }
 
 RayTracer::~RayTracer() = default;

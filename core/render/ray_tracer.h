@@ -5,6 +5,7 @@
 
 #include <lightcull/span.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 
@@ -25,6 +26,9 @@ class RayTracer {
 
     /// occluded[i] is 1 if anything is hit by rays[i] before its end, else 0.
     void occluded(Span<const Ray> rays, Span<std::uint8_t> occluded) const noexcept;
+
+    /// What Embree keeps in memory, bytes.
+    std::size_t memory_size() const noexcept;
 
   private:
     struct Handles;

@@ -1,6 +1,7 @@
 #include <lightcull/render/renderer.h>
 
 #include "base/random.h"
+#include "lights/memory_size.h"
 #include "render/camera.h"
 #include "render/film.h"
 #include "render/scene_impl.h"
@@ -26,6 +27,9 @@ using Clock = std::chrono::steady_clock;
 double seconds_since(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
 }
+
+/// Bytes that LightSampler::select() needs for a point meanwhile.
+constexpr std::size_t kSelectionScratch = 20;
 
 int thread_count(std::uint32_t wanted) {
     const int available = tbb::info::default_concurrency();
@@ -174,6 +178,15 @@ const RenderStats& Renderer::stats() const noexcept {
 }
 const LightSampler& Renderer::sampler() const noexcept {
     return *impl_->sampler;
+}
+RendererMemory Renderer::memory_size() const noexcept {
+    constexpr std::size_t kPerPath = Wavefront::bytes_per_path() + sizeof(ShadingPoint) +
+                                     sizeof(float) + sizeof(Selection) + kSelectionScratch;
+    const RenderSettings& r = impl_->settings;
+    const std::size_t paths =
+        std::size_t{std::min(r.width, kRegionSize)} * std::min(r.height, kRegionSize);
+    return {impl_->sampler->memory_size(), impl_->film.memory_size() + size_of(impl_->pass_pixels),
+            paths * kPerPath};
 }
 
 }  // namespace lightcull

@@ -1,5 +1,6 @@
 #include <lightcull/render/scene.h>
 
+#include "lights/memory_size.h"
 #include "render/checks.h"
 #include "render/scene_impl.h"
 #include "render/texture.h"
@@ -249,6 +250,17 @@ bool Scene::has_environment() const noexcept {
 }
 const Camera& Scene::camera() const noexcept {
     return impl_->camera;
+}
+SceneMemory Scene::memory_size() const noexcept {
+    const Impl& s = *impl_;
+    SceneMemory memory;
+    memory.data = size_of(s.materials) + size_of(s.meshes) + size_of(s.triangles) +
+                  size_of(s.indices) + size_of(s.positions) + size_of(s.normals) + size_of(s.uvs) +
+                  size_of(s.emitters) + size_of(s.lights);
+    for (const Texture& texture : s.textures) memory.data += size_of(texture.texels);
+    if (s.environment) memory.data += s.environment->memory_size();
+    if (s.ray_tracer) memory.bvh = s.ray_tracer->memory_size();
+    return memory;
 }
 
 }  // namespace lightcull

@@ -11,6 +11,7 @@
 #include <lightcull/render/renderer.h>
 
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -54,6 +55,14 @@ class Wavefront {
 
     /// Rays traced since it was last asked.
     std::uint64_t take_ray_count() noexcept;
+
+    /// Of all buffers, for each path that has a vertex and a shadow ray.
+    static constexpr std::size_t bytes_per_path() noexcept {
+        return 2 * (sizeof(Path) + sizeof(Ray)) + sizeof(Hit) + sizeof(std::uint32_t) +
+               sizeof(Surface) + sizeof(ShadingPoint) + sizeof(float) + sizeof(Selection) +
+               sizeof(Ray) + sizeof(Contribution) + sizeof(std::uint8_t) + sizeof(V3f) +
+               sizeof(std::uint64_t);
+    }
 
   private:
     /// A path whose next ray is the one of the same index.

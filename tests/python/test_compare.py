@@ -195,11 +195,29 @@ def test_the_reference_is_kept(
     reference(make_room(lamps=2))
     assert len(jobs) == 2
 
-    for file in (tmp_path / "lightcull" / "references").iterdir():
-        file.write_bytes(b"broken")
-    with pytest.warns(UserWarning, match="broken, rendered anew"):
-        renewed = reference(make_room())
-    assert np.array_equal(renewed.image, first.image)
+    folder = tmp_path / "lightcull" / "references"
+    files = {file: file.read_bytes() for file in folder.iterdir()}
+    for broken in (b"broken", b"", b"PK\3\4", lambda whole: whole[: len(whole) // 2], _spoiled):
+        for file, whole in files.items():
+            file.write_bytes(broken(whole) if callable(broken) else broken)
+        with pytest.warns(UserWarning, match="broken, rendered anew"):
+            renewed = reference(make_room())
+        assert np.array_equal(renewed.image, first.image)
+    assert set(folder.iterdir()) == set(files)
+
+
+def _spoiled(npz: bytes) -> bytes:
+    middle = npz.index(b"image.npy") + 200
+    return npz[:middle] + bytes([npz[middle] ^ 1]) + npz[middle + 1 :]
+
+
+def test_a_reference_that_cannot_be_kept_is_said(
+    room: lightcull.Scene, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    (tmp_path / "lightcull").write_text("in the way")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    with pytest.warns(UserWarning, match="the reference is not kept: .*cannot make this folder"):
+        lightcull.compare(room, ["uniform"], **QUICK)
 
 
 def test_noise_of_the_reference_is_said(room: lightcull.Scene) -> None:

@@ -16,11 +16,12 @@ from rich.box import SIMPLE
 from rich.console import Console
 from rich.table import Table
 
+from .. import memory
 from .._core import Error
 from ..compare import compare
 from ..images import apply_view, check_format, check_output, check_writable, make_folder
 from ..loaders import open_scene
-from ..render import render
+from ..render import RenderJob, RenderSettings, render
 from ..scene import Scene
 from . import bench, selftest
 from .bars import Bars
@@ -133,13 +134,33 @@ def _results(report: dict[str, Any]) -> Table:
 
 
 def _info(options: argparse.Namespace, arguments: Sequence[str], messages: Console) -> bool:
+    settings = RenderSettings(options.size or _SIZE, options.max_depth or _MAX_DEPTH, 0, 0)
     with _warnings_to(messages):
         scene = open_scene(options.scene)
+    # Before anything else takes memory that a render does not.
+    need = memory.of_render(RenderJob(scene, options.sampler, settings), settings.size)
     table = Table(show_header=False, box=None)
-    for name, value in _facts(scene):
+    for name, value in (*_facts(scene), ("memory", _memory(need, options.sampler, settings))):
         table.add_row(name, value)
     Console(highlight=False).print(table)
     return True
+
+
+def _memory(need: memory.Need, sampler: str, settings: RenderSettings) -> str:
+    width, height = settings.size
+    parts = {
+        "program": need.program,
+        "scene": need.scene,
+        "Embree's tree": need.bvh,
+        "sampler": need.sampler,
+        "image": need.image,
+        "paths": need.paths,
+    }
+    return (
+        f"{memory.text(need.peak)} at most to render {width}x{height} by {sampler}: "
+        + ", ".join(f"{name} {memory.text(size)}" for name, size in parts.items())
+        + f"; {memory.text(need.setup)} while it is set up"
+    )
 
 
 def _facts(scene: Scene) -> Iterator[tuple[str, str]]:

@@ -103,7 +103,10 @@ half an hour or so; a scene takes one or two minutes."""
 _INFO_EXAMPLES = """\
 examples:
   lightcull info lanterns
-  lightcull info room.glb                                 also names what is not supported"""
+  lightcull info room.glb                                 also names what is not supported
+  lightcull info city --size 3840x2160 --sampler light_bvh
+
+The memory is that of `lightcull render` with the same options, which is set up to find it out."""
 
 
 _SELFTEST_EXAMPLES = """\
@@ -141,9 +144,7 @@ def make_parser() -> argparse.ArgumentParser:
         return command
 
     render = add("render", "render a scene to an image", _RENDER_EXAMPLES)
-    render.add_argument(
-        "--sampler", type=_sampler, default="culled", metavar="SAMPLER", help="default: culled"
-    )
+    _add_sampler(render)
     render.add_argument("--view", help="of a .png: see through this view; default: the first")
     render.add_argument(
         "--exposure", type=_finite, metavar="STOPS", help="of a .png: brighten it; default: 0"
@@ -169,7 +170,10 @@ def make_parser() -> argparse.ArgumentParser:
     )
     _add_shared(compare, seconds=30, output="report", output_help="folder to write")
 
-    _add_scene(add("info", "say what is in a scene", _INFO_EXAMPLES))
+    info = add("info", "say what is in a scene, and what memory it takes", _INFO_EXAMPLES)
+    _add_scene(info)
+    _add_sampler(info)
+    _add_image(info)
     selftest = add("selftest", "check hard cases on this machine", _SELFTEST_EXAMPLES)
     selftest.add_argument("--json", metavar="FILE", help="file to write the results to")
     _add_bench(add("bench", "measure what a selection costs", _BENCH_EXAMPLES))
@@ -178,6 +182,24 @@ def make_parser() -> argparse.ArgumentParser:
 
 def _add_scene(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("scene", metavar="SCENE", help="file or name of an example")
+
+
+def _add_sampler(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--sampler", type=_sampler, default="culled", metavar="SAMPLER", help="default: culled"
+    )
+
+
+def _add_image(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--size", type=_size, metavar="WxH", help="pixels; default: 320x240; of an .xml: its own"
+    )
+    parser.add_argument(
+        "--max-depth",
+        type=_from_one,
+        metavar="N",
+        help="longest path, in edges: 2 is direct light only; default: 2; of an .xml: its own",
+    )
 
 
 def _add_samplers(parser: argparse.ArgumentParser, default: Sequence[str]) -> None:
@@ -237,15 +259,7 @@ def _add_shared(
     parser: argparse.ArgumentParser, seconds: float, output: str, output_help: str
 ) -> None:
     _add_scene(parser)
-    parser.add_argument(
-        "--size", type=_size, metavar="WxH", help="pixels; default: 320x240; of an .xml: its own"
-    )
-    parser.add_argument(
-        "--max-depth",
-        type=_from_one,
-        metavar="N",
-        help="longest path, in edges: 2 is direct light only; default: 2; of an .xml: its own",
-    )
+    _add_image(parser)
     parser.add_argument(
         "--host", choices=["mitsuba"], help="renderer to use; default: mitsuba for an .xml"
     )

@@ -6,6 +6,7 @@
 #include <lightcull/span.h>
 
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string_view>
@@ -45,6 +46,13 @@ struct RenderState {
         sums;  ///< over the passes, linear RGB, row 0 at the top: height * width * 3
 };
 
+/// What a renderer keeps in memory, bytes; the scene is not in it.
+struct RendererMemory {
+    std::size_t sampler = 0;  ///< its trees, with all sets of ranges
+    std::size_t film = 0;     ///< the sums of the passes, and the pass under way
+    std::size_t paths = 0;    ///< those that are traced at a time, once a pass has been rendered
+};
+
 /// A progressive path tracer: each pass adds one sample to every pixel. The result depends on the
 /// scene, the settings and the sampler, never on the number of threads.
 class Renderer {
@@ -70,6 +78,7 @@ class Renderer {
 
     const RenderStats& stats() const noexcept;
     const LightSampler& sampler() const noexcept;
+    RendererMemory memory_size() const noexcept;
 
   private:
     struct Impl;

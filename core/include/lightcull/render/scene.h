@@ -72,6 +72,12 @@ struct Environment {
     float rotation = 0.0f;
 };
 
+/// What a scene keeps in memory, bytes.
+struct SceneMemory {
+    std::size_t data = 0;  ///< all that was added, and the lights
+    std::size_t bvh = 0;   ///< Embree's, of which there is none before commit()
+};
+
 /// Geometry, materials, emitters and a camera. Fill it, commit() it, then share it between any
 /// number of renderers and threads. Every add_ and set_ checks what it is given and throws Error.
 class Scene {
@@ -103,6 +109,7 @@ class Scene {
     std::size_t triangle_count() const noexcept;
     bool has_environment() const noexcept;
     const Camera& camera() const noexcept;
+    SceneMemory memory_size() const noexcept;
 
     /// For core/render itself.
     struct Impl;
