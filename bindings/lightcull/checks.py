@@ -41,7 +41,7 @@ def text(name: str, value: Any) -> str:
     """A string."""
     if not isinstance(value, str):
         raise TypeError(f"{name}: wanted a string, got {value!r}")
-    return value
+    return _encodable(name, value)
 
 
 def texts(name: str, values: Any) -> dict[str, str]:
@@ -52,9 +52,17 @@ def texts(name: str, values: Any) -> dict[str, str]:
 def path(name: str, value: Any) -> str:
     """The name of a file."""
     try:
-        return os.fsdecode(value)
+        return _encodable(name, os.fsdecode(value))
     except TypeError:
         raise TypeError(f"{name}: wanted a path, got {value!r}") from None
+
+
+def _encodable(name: str, value: str) -> str:
+    try:
+        value.encode()
+    except UnicodeEncodeError:
+        raise Error(f"{name}: {ascii(value)} is not UTF-8") from None
+    return value
 
 
 def size(value: Any) -> tuple[int, int]:

@@ -13,6 +13,8 @@ from ._core import Error
 
 FORMATS = (".exr", ".png")
 """What images are written as."""
+_GROWTH = 32
+"""Bytes by which the name of a file is longer while it is written."""
 
 
 def read_image(path: str | os.PathLike[str], linear_data: bool = False) -> np.ndarray:
@@ -90,23 +92,35 @@ def write_whole_file(path: str | os.PathLike[str], data: bytes) -> None:
 def check_output(path: str | os.PathLike[str]) -> None:
     """Throws Error unless a file of that name can be written, so that no render is lost to it."""
     name = checks.path("path", path)
-    if not name or name.endswith("/") or Path(name).is_dir():
+    if not name or name.endswith("/") or os.path.isdir(name):
         raise Error(f"{name or repr(name)}: is a folder; wanted the name of a file")
-    if Path(name).exists() and not Path(name).is_file():
+    if os.path.exists(name) and not os.path.isfile(name):
         raise Error(f"{name}: cannot write: it is there and is not a file")
-    check_writable(Path(name).parent)
+    target = Path(os.path.realpath(name))
+    _check_place(Path(name).parent, target.with_name(target.name + "_" * _GROWTH))
 
 
 def check_writable(folder: str | os.PathLike[str]) -> None:
     """Throws Error unless files can be written into a folder, which need not be there yet."""
-    there = Path(folder).absolute()
+    name = checks.path("folder", folder)
+    _check_place(name, Path(name).absolute() / "report.json")
+
+
+def _check_place(folder: str | os.PathLike[str], file: Path) -> None:
+    """Throws Error with the folder unless the file can be made, and those folders above it that are
+    not there.
+    """
+    there = file.parent
+    while not os.path.exists(there) and there != there.parent:
+        there = there.parent
     try:
-        while not there.exists() and there != there.parent:
-            there = there.parent
         with tempfile.TemporaryFile(dir=there):
             pass
+        longest = os.pathconf(there, "PC_NAME_MAX")
     except OSError as error:
         raise Error(f"{os.fspath(folder)}: cannot write there: {error.strerror}") from error
+    if any(len(part.encode()) > longest for part in file.relative_to(there).parts):
+        raise Error(f"{os.fspath(folder)}: cannot write there: File name too long")
 
 
 def make_folder(folder: Path) -> None:

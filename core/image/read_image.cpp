@@ -5,7 +5,10 @@
 
 #include <cstddef>
 #include <exception>
+#include <fstream>
+#include <limits>
 #include <memory>
+#include <string>
 
 namespace lightcull {
 namespace {
@@ -42,8 +45,30 @@ Image to_rgb(const OIIO::ImageSpec& spec, const std::vector<float>& samples) {
     return image;
 }
 
+/// Bytes that this machine has free; as many as can be where it does not say.
+std::size_t free_memory() {
+    std::ifstream file("/proc/meminfo");
+    std::string name, rest;
+    std::size_t kilobytes = 0;
+    while (file >> name >> kilobytes && std::getline(file, rest)) {
+        if (name == "MemAvailable:") return kilobytes * 1024;
+    }
+    return std::numeric_limits<std::size_t>::max();
+}
+
+/// A header may promise more than memory holds, and the system would give it until it is used.
+void check_size(const std::string& path, const OIIO::ImageSpec& spec) {
+    const double sample_bytes = sizeof(float) * static_cast<double>(spec.nchannels);
+    const double needed =
+        static_cast<double>(spec.image_pixels()) * (sample_bytes + sizeof(float3));
+    if (needed <= static_cast<double>(free_memory())) return;
+    fail(path, "its " + std::to_string(spec.width) + " x " + std::to_string(spec.height) +
+                   " pixels do not fit into memory");
+}
+
 Image read_opened(const std::string& path, OIIO::ImageInput& input, bool linear_data) {
     const OIIO::ImageSpec spec = input.spec();
+    check_size(path, spec);
     std::vector<float> samples(spec.image_pixels() * static_cast<std::size_t>(spec.nchannels));
     const bool read =
         input.read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, samples.data());

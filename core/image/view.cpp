@@ -132,6 +132,11 @@ std::vector<std::string> view_names() {
 }
 
 Image apply_view(const Image& linear, std::string_view view, float exposure_stops) {
+    if (linear.pixels.size() != std::size_t{linear.width} * linear.height) {
+        throw Error("view: an image of " + std::to_string(linear.width) + " x " +
+                    std::to_string(linear.height) + " with " +
+                    std::to_string(linear.pixels.size()) + " pixels");
+    }
     if (!std::isfinite(exposure_stops)) throw Error("exposure is not finite");
     const auto processor = translate_errors([&] { return make_processor(std::string(view)); });
     Image display = linear;

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <lightcull/error.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -17,24 +18,22 @@ namespace {
     throw Error(path + ": cannot write: " + std::generic_category().message(error));
 }
 
-std::filesystem::path folder_of(const std::filesystem::path& path) {
-    return path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
+namespace fs = std::filesystem;
+
+fs::path folder_of(const fs::path& path) {
+    return path.has_parent_path() ? path.parent_path() : fs::path(".");
 }
 
 /// Closes a file descriptor, and removes the file unless it has been kept.
 class PartialFile {
   public:
     PartialFile(std::string name, const std::string& path)
-        : name_(std::move(name)),
-          path_(path),
-          descriptor_(::open(name_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666)) {
+        : name_(std::move(name)), path_(path), descriptor_(open_locked()) {
         if (descriptor_ < 0) fail(path_, errno);
-        // Held until it is closed, also by the death of the process: see remove_abandoned().
-        ::flock(descriptor_, LOCK_EX);
     }
     ~PartialFile() {
-        if (descriptor_ >= 0) ::close(descriptor_);
         if (!kept_) ::unlink(name_.c_str());
+        ::close(descriptor_);
     }
     PartialFile(const PartialFile&) = delete;
     PartialFile& operator=(const PartialFile&) = delete;
@@ -50,19 +49,29 @@ class PartialFile {
 
     /// Gives the file its final name, once its bytes are on the disk, and brings the name there
     /// too.
-    void keep() {
+    void keep(const fs::path& target) {
         if (::fsync(descriptor_) != 0) fail(path_, errno);
-        const int closed = ::close(descriptor_);
-        descriptor_ = -1;
-        if (closed != 0) fail(path_, errno);
-        if (::rename(name_.c_str(), path_.c_str()) != 0) fail(path_, errno);
+        if (::rename(name_.c_str(), target.c_str()) != 0) fail(path_, errno);
         kept_ = true;
-        sync_folder();
+        sync(folder_of(target));
     }
 
   private:
-    void sync_folder() const {
-        const std::string folder = folder_of(path_).string();
+    /// Locked until it is closed, also by the death of the process: see remove_abandoned().
+    int open_locked() const {
+        for (;;) {
+            const int descriptor =
+                ::open(name_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+            if (descriptor < 0) return descriptor;
+            ::flock(descriptor, LOCK_EX);
+            // Before that another process may have taken it for abandoned.
+            struct ::stat about {};
+            if (::fstat(descriptor, &about) != 0 || about.st_nlink > 0) return descriptor;
+            ::close(descriptor);
+        }
+    }
+
+    void sync(const fs::path& folder) const {
         const int folder_descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
         // A folder that may be written to but not read cannot be synchronised by its user, nor can
         // one of a file system that has no such thing. The file is whole under its name all the
@@ -76,25 +85,46 @@ class PartialFile {
 
     const std::string name_;
     const std::string& path_;
-    int descriptor_;
+    const int descriptor_;
     bool kept_ = false;
 };
 
-constexpr const char* kPartial = ".part-";
+/// What stands at the end of links that lead somewhere, where there need be nothing.
+fs::path followed(fs::path path) {
+    std::error_code error;
+    while (fs::is_symlink(path, error)) {
+        const fs::path target = fs::read_symlink(path, error);
+        if (error) break;
+        path = folder_of(path) / target;
+    }
+    return path;
+}
+
+/// What the names of the partial files of a path begin with; two numbers with a line between
+/// follow.
+std::string partial_prefix(const fs::path& path) {
+    return "." + path.filename().string() + ".lightcull-";
+}
 
 /// Unique among the threads and processes of this machine.
-std::string partial_name(const std::string& path) {
+std::string partial_name(const fs::path& path) {
     static std::atomic<unsigned> counter{0};
-    return path + kPartial + std::to_string(::getpid()) + "-" + std::to_string(counter++);
+    const std::string numbers = std::to_string(::getpid()) + "-" + std::to_string(counter++);
+    return (folder_of(path) / (partial_prefix(path) + numbers)).string();
+}
+
+bool is_partial(const std::string& name, const std::string& prefix) {
+    if (name.rfind(prefix, 0) != 0) return false;
+    return name.find_first_not_of("0123456789-", prefix.size()) == std::string::npos;
 }
 
 /// Removes the partial files of that path that nobody is writing any more.
-void remove_abandoned(const std::filesystem::path& path) {
-    const std::string prefix = path.filename().string() + kPartial;
+void remove_abandoned(const fs::path& path) {
+    const std::string prefix = partial_prefix(path);
     std::error_code error;
-    for (std::filesystem::directory_iterator entry(folder_of(path), error), end;
-         !error && entry != end; entry.increment(error)) {
-        if (entry->path().filename().string().rfind(prefix, 0) != 0) continue;
+    for (fs::directory_iterator entry(folder_of(path), error), end; !error && entry != end;
+         entry.increment(error)) {
+        if (!is_partial(entry->path().filename().string(), prefix)) continue;
         const int descriptor = ::open(entry->path().c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
         if (descriptor < 0) continue;
         if (::flock(descriptor, LOCK_EX | LOCK_NB) == 0) ::unlink(entry->path().c_str());
@@ -108,16 +138,18 @@ void write_whole_file(const std::string& path, Span<const unsigned char> bytes) 
     if (path.find('\0') != std::string::npos) {
         throw Error(path.substr(0, path.find('\0')) + "\\0...: cannot write: no name of a file");
     }
-    std::error_code ignored;
-    const auto status = std::filesystem::status(path, ignored);
+    std::error_code error;
+    const auto status = fs::status(path, error);
+    if (error == std::errc::too_many_symbolic_link_levels) fail(path, ELOOP);
     // rename() would put a file in the place of /dev/null.
-    if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
+    if (fs::exists(status) && !fs::is_regular_file(status)) {
         throw Error(path + ": cannot write: it is there and is not a file");
     }
-    remove_abandoned(path);
-    PartialFile file(partial_name(path), path);
+    const fs::path target = followed(path);
+    remove_abandoned(target);
+    PartialFile file(partial_name(target), path);
     file.write(bytes);
-    file.keep();
+    file.keep(target);
 }
 
 }  // namespace lightcull

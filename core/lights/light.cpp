@@ -96,7 +96,7 @@ Light bounded_light(float3 box_min, float3 box_max, float3 axis, float cos_theta
     light.radius = length(box_max - light.center) * (1.0f + 1e-6f);
     light.axis = axis;
     // The box does not say where the plane of a flat light lies.
-    light.cos_theta_o = std::min(cos_theta_o, std::nextafter(1.0f, 0.0f));
+    light.cos_theta_o = cos_theta_o == 1.0f ? std::nextafter(1.0f, 0.0f) : cos_theta_o;
     light.cos_theta_e = cos_theta_e;
     light.two_sided = two_sided;
     const double solid_angle =

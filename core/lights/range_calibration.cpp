@@ -36,7 +36,10 @@ void check(const RangeOptions& options) {
     positive(options.exposure, "exposure");
     for (std::size_t i = 0; i < options.calibration_points.size(); ++i) {
         const ShadingPoint& point = options.calibration_points[i];
-        if (!is_finite(point.position) || !is_finite(point.normal)) {
+        const GlossyLobe& lobe = point.lobe;
+        if (!is_finite(point.position) || !is_finite(point.normal) || !is_finite(lobe.axis) ||
+            !std::isfinite(point.diffuse) || !std::isfinite(lobe.alpha) ||
+            !std::isfinite(lobe.peak)) {
             throw Error("calibration point " + std::to_string(i) + " is not finite");
         }
     }

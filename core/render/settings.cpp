@@ -22,6 +22,9 @@ void check_settings(const RenderSettings& settings) {
         throw Error("settings: height is not in [1, 65535]");
     }
     if (settings.max_depth < 1) throw Error("settings: max_depth is 0: no path has no edge");
+    if (settings.direct_light < DirectLight::kMis || settings.direct_light > DirectLight::kBsdf) {
+        throw Error("settings: direct_light is unknown");
+    }
     if (settings.threads > kMost) throw Error("settings: threads is above 65535");
 }
 

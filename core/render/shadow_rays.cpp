@@ -1,9 +1,12 @@
 #include <lightcull/render/shadow_rays.h>
 
+#include "render/checks.h"
 #include "render/ray_tracer.h"
 #include "render/scene_impl.h"
 #include "render/settings.h"
 #include "render/tiles.h"
+
+#include <lightcull/error.h>
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
@@ -11,6 +14,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <functional>
+#include <string>
 #include <vector>
 
 namespace lightcull {
@@ -27,6 +31,19 @@ Ray shadow_ray(const ShadingPoint& point, const Light& light) {
     return {origin, to_v3f(light.center) - origin, kShadowEnd};
 }
 
+void check_selections(Span<const ShadingPoint> points, Span<const Selection> selections,
+                      std::size_t light_count) {
+    if (selections.size() != points.size()) {
+        throw Error("shadow rays: there are " + std::to_string(selections.size()) +
+                    " selections for " + std::to_string(points.size()) + " points");
+    }
+    for (std::size_t i = 0; i < selections.size(); ++i) {
+        if (!(selections[i].prob > 0.0f) || selections[i].light < light_count) continue;
+        check::index("shadow rays: " + check::element("selections", i) + ": light",
+                     selections[i].light, light_count, "lights");
+    }
+}
+
 }  // namespace
 
 struct ShadowRays::Impl {
@@ -37,6 +54,7 @@ struct ShadowRays::Impl {
 ShadowRays::ShadowRays(const Scene& scene, Span<const ShadingPoint> points,
                        Span<const Selection> selections) {
     check_committed(scene);
+    check_selections(points, selections, scene.lights().size());
     impl_ = std::make_unique<Impl>(Impl{*scene.impl().ray_tracer, {}});
     for (std::size_t i = 0; i < points.size(); ++i) {
         if (!(selections[i].prob > 0.0f)) continue;

@@ -195,8 +195,11 @@ TEST_CASE("image: what cannot be read is an error of one line with the path") {
     write_bytes(folder / "text.png", "not an image at all");
     write_bytes(folder / "empty.exr", "");
     write_bytes(folder / "huge.pgm", "P5\n2000000000 2000000000\n255\n");
+    write_bytes(folder / "large.pgm", "P5\n300000 300000\n255\n");
+    CHECK(contains(error_of([&] { lightcull::read_image(folder / "large.pgm"); }),
+                   "its 300000 x 300000 pixels do not fit into memory"));
     for (const char* name : {"missing.exr", "cut.exr", "cut.png", "cut.tif", "header.exr",
-                             "text.png", "empty.exr", "huge.pgm", "."}) {
+                             "text.png", "empty.exr", "huge.pgm", "large.pgm", "."}) {
         CAPTURE(name);
         const std::string path = folder / name;
         const std::string message = error_of([&] { lightcull::read_image(path); });
@@ -297,6 +300,17 @@ TEST_CASE("image: an unknown view is an error with the names there are") {
     CHECK(lightcull::view_names() == std::vector<std::string>{"aces", "srgb"});
     CHECK(error_of([] { lightcull::apply_view(one_pixel({}), "filmic"); }) ==
           "there is no view 'filmic'; there are: aces, srgb");
+}
+
+TEST_CASE("image: a view of nothing is nothing, and of a broken image an error") {
+    const OcioVariable no_ocio(nullptr);
+    CHECK(lightcull::apply_view({}, "srgb").pixels.empty());
+    CHECK(error_of([] { lightcull::apply_view({4, 4, {{}, {}}}, "srgb"); }) ==
+          "view: an image of 4 x 4 with 2 pixels");
+    for (const float stops : {std::numeric_limits<float>::infinity(), std::nanf("")}) {
+        CHECK(error_of([&] { lightcull::apply_view(one_pixel({}), "srgb", stops); }) ==
+              "exposure is not finite");
+    }
 }
 
 TEST_CASE("image: $OCIO brings the views of its default display") {

@@ -6,6 +6,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
 #include <climits>
 #include <cstdlib>
@@ -13,6 +14,7 @@
 #include <fstream>
 #include <iterator>
 #include <string>
+#include <thread>
 #include <vector>
 
 /// Files that are replaced whole, with a disk that fails and a process that dies at any step. The
@@ -173,6 +175,70 @@ TEST_CASE("whole file: a disk that fails at any step is an error, and the file i
             CHECK(file.file_count() == 1);
         }
     }
+}
+
+TEST_CASE("whole file: a link stays, and what it leads to is replaced") {
+    for (const bool is_there : {true, false}) {
+        const OldFile file;
+        const OldFile elsewhere;
+        if (!is_there) fs::remove(elsewhere.path);
+        fs::remove(file.path);
+        fs::create_symlink(elsewhere.path, file.path + "1");
+        fs::create_symlink("a1", file.path);
+        Disk with;
+        CHECK(write_new(file.path, with).empty());
+        CHECK(fs::is_symlink(file.path));
+        CHECK(elsewhere.content() == kNew);
+        CHECK(file.file_count() == 2);
+        CHECK(elsewhere.file_count() == 1);
+    }
+}
+
+TEST_CASE("whole file: of many writers at once none fails, and the last one's file is whole") {
+    const OldFile file;
+    std::vector<std::thread> threads;
+    std::atomic<int> errors{0};
+    for (int i = 0; i < 8; ++i) {
+        threads.emplace_back([&, i] {
+            const std::string mine(1000, static_cast<char>('a' + i));
+            for (int times = 0; times < 40; ++times) {
+                try {
+                    lightcull::write_whole_file(
+                        file.path,
+                        {reinterpret_cast<const unsigned char*>(mine.data()), mine.size()});
+                } catch (const lightcull::Error&) {
+                    ++errors;
+                }
+            }
+        });
+    }
+    for (std::thread& thread : threads) thread.join();
+    CHECK(errors == 0);
+    const std::string content = file.content();
+    CHECK(content == std::string(1000, content[0]));
+    CHECK(content[0] != 't');
+    CHECK(file.file_count() == 1);
+}
+
+TEST_CASE("whole file: links that go round in a circle are an error") {
+    const OldFile file;
+    fs::remove(file.path);
+    fs::create_symlink(file.path, file.path);
+    Disk with;
+    CHECK(write_new(file.path, with).find("cannot write") != std::string::npos);
+}
+
+TEST_CASE("whole file: files of nearly the same name are let alone") {
+    const OldFile file;
+    const std::string ours = fs::path(file.path).parent_path() / ".a.lightcull-12-0";
+    const std::string others[] = {file.path + ".part-1", file.path + ".lightcull-1-2", ours + "b",
+                                  fs::path(file.path).parent_path() / ".a.lightcull"};
+    std::ofstream{ours} << "abandoned";
+    for (const std::string& other : others) std::ofstream{other} << "mine";
+    Disk with;
+    CHECK(write_new(file.path, with).empty());
+    CHECK_FALSE(fs::exists(ours));
+    for (const std::string& other : others) CHECK(fs::exists(other));
 }
 
 TEST_CASE("whole file: a write that a signal interrupts is made again") {
