@@ -116,10 +116,11 @@ def _check_place(folder: str | os.PathLike[str], file: Path) -> None:
     try:
         with tempfile.TemporaryFile(dir=there):
             pass
-        longest = os.pathconf(there, "PC_NAME_MAX")
+        most_in_name, most = (os.pathconf(there, name) for name in ("PC_NAME_MAX", "PC_PATH_MAX"))
     except OSError as error:
         raise Error(f"{os.fspath(folder)}: cannot write there: {error.strerror}") from error
-    if any(len(part.encode()) > longest for part in file.relative_to(there).parts):
+    longest = max(len(part.encode()) for part in file.relative_to(there).parts)
+    if longest > most_in_name or len(str(file).encode()) >= most:
         raise Error(f"{os.fspath(folder)}: cannot write there: File name too long")
 
 

@@ -55,7 +55,7 @@ class Scene:
     """
 
     def __init__(self, name: str = "scene") -> None:
-        self.name = name
+        self.name = checks.text("name", name)
         """What images and reports call it."""
         self._core = _core.Scene()
         self._camera = Camera()
