@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Sets everything up and runs every test. The exit status is 0 if all of them pass.
+# Sets everything up and runs every test. The exit status is 0 if all of them pass. Only the thread
+# sanitizer, which has to build TBB first, has to be asked for: tests/sanitizers/run.sh tsan
 
 set -euo pipefail
 
@@ -18,6 +19,7 @@ run() {
 run ctest ctest --test-dir "$root/build" --output-on-failure
 run pytest "$root/build/venv/bin/python" -m pytest -o cache_dir="$root/build/pytest-cache" \
     "$root/tests/python" "$root/tests/hard_cases" "$root/tests/hosts" "$root/tests/packaging"
+run asan "$root/tests/sanitizers/run.sh" asan
 run fuzz "$root/tests/fuzz/run.sh" "$root/build/fuzz" "$root/build/venv/bin/python"
 
 if ((${#failed[@]})); then

@@ -8,7 +8,7 @@
 Metres, radians, linear RGB. Arrays are C-contiguous float32 (N, 3), ids uint32.
 """
 
-from ._core import COUNTS, LIGHT, SELECTION, Error, point_lights, triangle_lights
+from ._core import COUNTS, LIGHT, SELECTION, Error
 from ._core import VERSION as __version__
 from .compare import SAMPLERS, compare
 from .images import apply_view, read_image, view_names, write_exr, write_png
@@ -16,7 +16,7 @@ from .loaders import UnsupportedWarning, load, open_scene
 from .loaders import example_scene as example_scene
 from .render import Progress, RenderResult, Stats, render
 from .report import Comparison
-from .sampler import LightSampler
+from .sampler import LightSampler, point_lights, triangle_lights
 from .scene import Camera, Scene
 
 __all__ = [

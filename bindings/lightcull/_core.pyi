@@ -35,15 +35,8 @@ def apply_view(image: np.ndarray, view: str, exposure_stops: float = 0.0) -> np.
 
 def triangle_lights(
     corners: np.ndarray, radiance: np.ndarray, two_sided: bool = False
-) -> np.ndarray:
-    """Lights for triangles, (N,) of dtype LIGHT. corners: float32 (N, 3, 3), metres; the front is
-    where they run anticlockwise. radiance: float32 (N,), luminance, W/(m^2 sr).
-    """
-
-def point_lights(positions: np.ndarray, intensity: np.ndarray) -> np.ndarray:
-    """Lights for points, (N,) of dtype LIGHT. positions: float32 (N, 3), metres. intensity: float32
-    (N,), luminance, W/sr.
-    """
+) -> np.ndarray: ...
+def point_lights(positions: np.ndarray, intensity: np.ndarray) -> np.ndarray: ...
 
 class SceneMemory:
     """Bytes."""

@@ -77,6 +77,8 @@ def write(path: str, key: RenderKey, checkpoint: Checkpoint) -> None:
 
 def read(path: str) -> tuple[RenderKey, Checkpoint]:
     """Throws Error unless the file is a whole checkpoint."""
+    if os.path.exists(path) and not os.path.isfile(path):
+        raise Error(f"{path}: cannot read: it is not a file")
     try:
         data = Path(path).read_bytes()
     except (OSError, ValueError) as error:

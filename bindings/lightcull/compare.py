@@ -69,9 +69,13 @@ def compare(
     Ctrl-C ends it: samplers that have an image by then are returned and reported. A Ctrl-C before
     that, while the reference is rendered, is a KeyboardInterrupt.
     """
+    if isinstance(samplers, str):
+        raise TypeError(f"samplers: wanted several, got {samplers!r}")
     if not samplers:
         raise Error("samplers: wanted one at least")
     subject = OwnSubject(scene) if isinstance(scene, Scene) else scene
+    if not hasattr(subject, "new_job"):
+        raise TypeError(f"scene: wanted a lightcull.Scene, got {scene!r}")
     for description in samplers:
         subject.check_sampler(description)
     if folder is not None:

@@ -69,6 +69,9 @@ def save_image(
 ) -> None:
     """Writes linear RGB as .exr, or through a view as .png, by the name of the file."""
     if check_format(path) == ".exr":
+        if view is not None or exposure != 0.0:
+            name = os.fspath(path)
+            raise Error(f"{name}: a view and exposure are for a .png; an .exr stays linear")
         write_exr(path, image, metadata=metadata)
     else:
         write_png(path, apply_view(image, view, exposure), metadata=metadata)
@@ -76,9 +79,10 @@ def save_image(
 
 def check_format(path: str | os.PathLike[str]) -> str:
     """The ending of a file name, of those in FORMATS."""
-    ending = Path(path).suffix.lower()
+    name = checks.path("path", path)
+    ending = Path(name).suffix.lower()
     if ending not in FORMATS:
-        raise Error(f"{os.fspath(path)}: the name must end in {' or '.join(FORMATS)}")
+        raise Error(f"{name}: the name must end in {' or '.join(FORMATS)}")
     return ending
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from . import _core, checks
@@ -42,7 +44,7 @@ class LightSampler:
                 raise TypeError("calibration: a scene brings its own")
             self._core = _core.sampler_of_scene(lights.closed(), description)
         else:
-            positions, normals = calibration or (np.empty((0, 3), np.float32), None)
+            positions, normals = _calibration(calibration)
             if getattr(getattr(lights, "dtype", None), "names", None) == _core.LIGHT.names:
                 # What NumPy makes of several arrays of them has another layout in memory.
                 lights = lights.astype(_core.LIGHT, copy=False)
@@ -125,8 +127,35 @@ class LightSampler:
         return f"<lightcull.LightSampler {self.description!r}: {self.light_count} lights>"
 
 
+def _calibration(given: Any) -> tuple[np.ndarray, np.ndarray | None]:
+    if given is None:
+        return np.empty((0, 3), np.float32), None
+    if not isinstance(given, tuple | list) or len(given) != 2:
+        raise TypeError(f"calibration: wanted positions and normals, got {type(given).__name__}")
+    return given[0], given[1]
+
+
+def triangle_lights(
+    corners: np.ndarray, radiance: np.ndarray, two_sided: bool = False
+) -> np.ndarray:
+    """Lights for triangles, (N,) of dtype `lightcull.LIGHT`.
+
+    corners: float32 (N, 3, 3), metres; the front is where they run anticlockwise. radiance: float32
+    (N,), luminance, W/(m^2 sr). two_sided: they emit from the back too.
+    """
+    return _core.triangle_lights(corners, radiance, bool(two_sided))
+
+
+def point_lights(positions: np.ndarray, intensity: np.ndarray) -> np.ndarray:
+    """Lights for points, (N,) of dtype `lightcull.LIGHT`.
+
+    positions: float32 (N, 3), metres. intensity: float32 (N,), luminance, W/sr.
+    """
+    return _core.point_lights(positions, intensity)
+
+
 def check_description(description: str) -> None:
     """Throws `lightcull.Error` unless it describes a sampler, with what there is."""
     positions = np.zeros((1, 3), np.float32)
     light = _core.point_lights(positions, np.ones(1, np.float32))
-    _core.sampler_of_lights(light, description, positions, None)
+    _core.sampler_of_lights(light, checks.text("sampler", description), positions, None)

@@ -244,13 +244,8 @@ void bind_sampler(py::module_& module) {
     module.attr("SELECTION") = selection_dtype();
     module.attr("COUNTS") = counts_dtype();
     module.def("triangle_lights", &triangle_lights, py::arg("corners"), py::arg("radiance"),
-               py::arg("two_sided") = false,
-               "Lights for triangles, (N,) of dtype LIGHT. corners: float32 (N, 3, 3), metres; the "
-               "front is where they run anticlockwise. radiance: float32 (N,), luminance, "
-               "W/(m^2 sr).");
-    module.def("point_lights", &point_lights, py::arg("positions"), py::arg("intensity"),
-               "Lights for points, (N,) of dtype LIGHT. positions: float32 (N, 3), metres. "
-               "intensity: float32 (N,), luminance, W/sr.");
+               py::arg("two_sided") = false);
+    module.def("point_lights", &point_lights, py::arg("positions"), py::arg("intensity"));
     module.def("sampler_of_lights", &sampler_of_lights);
     module.def("sampler_of_scene", &sampler_of_scene);
     py::class_<SharedSampler>(module, "LightSampler")

@@ -5,10 +5,12 @@
 
 #include <cstddef>
 #include <exception>
+#include <filesystem>
 #include <fstream>
 #include <limits>
 #include <memory>
 #include <string>
+#include <system_error>
 
 namespace lightcull {
 namespace {
@@ -89,6 +91,12 @@ Image read_opened(const std::string& path, OIIO::ImageInput& input, bool linear_
 Image read_image(const std::string& path, bool linear_data) {
     if (path.find('\0') != std::string::npos) {
         fail(path.substr(0, path.find('\0')) + "\\0...", "no name of a file");
+    }
+    std::error_code ignored;
+    const auto status = std::filesystem::status(path, ignored);
+    // A device or a pipe may never end.
+    if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
+        fail(path, "not a file");
     }
     try {
         const auto input = open_image(path);

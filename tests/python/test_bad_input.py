@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import struct
 import subprocess
 import warnings
@@ -47,6 +48,10 @@ def mesh(**changes: object) -> None:
 
 def render(**options: object) -> None:
     lightcull.render(make_room(), **{"spp": 1, "size": (8, 8), **options})
+
+
+def compare(samplers: object) -> None:
+    lightcull.compare(make_room(), samplers, spp=1, size=(8, 8))
 
 
 def moved(value: float) -> np.ndarray:
@@ -184,6 +189,23 @@ def only_line(text: str) -> str:
         (lambda: lightcull.load("a\0.glb"), lightcull.Error, "no name of a file"),
         (lambda: lightcull.load(None), TypeError, "path: wanted a path, got None"),
         (lambda: lightcull.load(b"\xff.glb"), lightcull.Error, r"path: '\udcff.glb' is not UTF-8"),
+        (lambda: lightcull.Scene().add_texture("/dev/zero"), lightcull.Error, "read: not a file"),
+        (lambda: render(resume="/dev/zero", checkpoint="a"), lightcull.Error, "it is not a file"),
+        (lambda: lightcull.example_scene(3), TypeError, "name: wanted a string, got 3"),
+        (lambda: lightcull.compare(None, ["culled"], spp=1), TypeError, "scene: wanted a lightc"),
+        (lambda: compare("culled"), TypeError, "samplers: wanted several, got 'culled'"),
+        (lambda: compare([3]), TypeError, "sampler: wanted a string, got 3"),
+        (lambda: compare([]), lightcull.Error, "samplers: wanted one at least"),
+        (
+            lambda: lightcull.LightSampler(light(), calibration=POINT),
+            TypeError,
+            "calibration: wanted positions and normals, got ndarray",
+        ),
+        (
+            lambda: lightcull.render(make_room(), spp=1, size=(8, 8)).save("a.exr", "aces"),
+            lightcull.Error,
+            "a.exr: a view and exposure are for a .png",
+        ),
         (lambda: lightcull.Scene(3), TypeError, "name: wanted a string, got 3"),
         (lambda: lightcull.Scene("\ud800"), lightcull.Error, r"name: '\ud800' is not UTF-8"),
         (lambda: mesh(name="\ud800"), lightcull.Error, r"name: '\ud800' is not UTF-8"),
@@ -358,6 +380,10 @@ def test_files_that_are_something_else(tmp_path: Path, ending: str) -> None:
         with pytest.raises(lightcull.Error, match=rf"a\.{ending}: ") as caught:
             lightcull.load(path)
         only_line(str(caught.value))
+    path.unlink()
+    os.mkfifo(path)
+    with pytest.raises(lightcull.Error, match="is not a file"):
+        lightcull.load(path)
     path.unlink()
     path.mkdir()
     with pytest.raises(lightcull.Error, match="is a folder"):

@@ -1,6 +1,7 @@
 #include <doctest/doctest.h>
 #include <lightcull/error.h>
 #include <lightcull/image/image.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cmath>
@@ -195,11 +196,12 @@ TEST_CASE("image: what cannot be read is an error of one line with the path") {
     write_bytes(folder / "text.png", "not an image at all");
     write_bytes(folder / "empty.exr", "");
     write_bytes(folder / "huge.pgm", "P5\n2000000000 2000000000\n255\n");
+    REQUIRE(::mkfifo((folder / "pipe.png").c_str(), 0600) == 0);
     write_bytes(folder / "large.pgm", "P5\n300000 300000\n255\n");
     CHECK(contains(error_of([&] { lightcull::read_image(folder / "large.pgm"); }),
                    "its 300000 x 300000 pixels do not fit into memory"));
     for (const char* name : {"missing.exr", "cut.exr", "cut.png", "cut.tif", "header.exr",
-                             "text.png", "empty.exr", "huge.pgm", "large.pgm", "."}) {
+                             "text.png", "pipe.png", "empty.exr", "huge.pgm", "large.pgm", "."}) {
         CAPTURE(name);
         const std::string path = folder / name;
         const std::string message = error_of([&] { lightcull::read_image(path); });
@@ -305,8 +307,9 @@ TEST_CASE("image: an unknown view is an error with the names there are") {
 TEST_CASE("image: a view of nothing is nothing, and of a broken image an error") {
     const OcioVariable no_ocio(nullptr);
     CHECK(lightcull::apply_view({}, "srgb").pixels.empty());
-    CHECK(error_of([] { lightcull::apply_view({4, 4, {{}, {}}}, "srgb"); }) ==
-          "view: an image of 4 x 4 with 2 pixels");
+    CHECK(error_of([] {
+              lightcull::apply_view({4, 4, {{}, {}}}, "srgb");
+          }) == "view: an image of 4 x 4 with 2 pixels");
     for (const float stops : {std::numeric_limits<float>::infinity(), std::nanf("")}) {
         CHECK(error_of([&] { lightcull::apply_view(one_pixel({}), "srgb", stops); }) ==
               "exposure is not finite");

@@ -1,4 +1,4 @@
-"""What the command line understands, and how it explains itself."""
+"""What the command line understands."""
 
 from __future__ import annotations
 
@@ -13,112 +13,12 @@ from ..bench import DEFAULT_SAMPLERS as BENCH_SAMPLERS
 from ..bench import DEFAULT_SIZE as BENCH_SIZE
 from ..bench import DEFAULT_THREADS as BENCH_THREADS
 from ..checks import MOST_32_BITS, MOST_64_BITS, MOST_PIXELS
-from ..compare import DEFAULT_SAMPLERS, SAMPLERS
+from ..compare import DEFAULT_SAMPLERS
 from ..sampler import check_description
-from ..scenes import NAMES
+from . import texts
 
 MITSUBA_PATH = "path"
 """The sampler that is Mitsuba's own integrator."""
-
-_SCENES = "\n".join(f"  {name:10} {description}" for name, description in NAMES.items())
-
-_OVERVIEW = f"""\
-Renders scenes lit by up to millions of lights, and compares the ways to choose among them.
-
-SCENE is a file (.glb, .gltf, .obj, .ply), an .xml of Mitsuba's, which Mitsuba then renders with the
-integrator lightcull_path, or the name of an example:
-{_SCENES}
-
-SAMPLER is the way to choose a light for a point:
-  uniform     every light alike
-  power       in proportion to its power
-  light_bvh   down a tree of clusters (Conty Estevez & Kulla 2018)
-  culled      stochastic light culling, resampled: what this project is about
-  paper       stochastic light culling as published (Tokuyoshi & Harada 2016)
-  clamped     lights with a limited range: biased, for comparison
-  exhaustive  weighs every light for every point: slow, the floor for error
-  path        Mitsuba's own integrator, for an .xml only
-Options follow at colons: culled:sets=16, culled:accepted=32, paper:list=0:error_bound=auto,
-light_bvh:importance=means (means over a cluster in place of the published bounds: less noise)."""
-
-_EXAMPLES = """\
-examples:
-  lightcull render lanterns -o lanterns.exr --seconds 10
-  lightcull compare lanterns --samplers uniform,light_bvh,culled --seconds 30 -o report
-  lightcull info city
-
-Ctrl-C ends a render after the pass under way and keeps what there is; twice, at once. Exit codes: 0 done, 1 error, 2 wrong usage,
-130 interrupted. `lightcull COMMAND --help` says more."""
-
-_RENDER_EXAMPLES = """\
-examples:
-  lightcull render lanterns -o lanterns.exr               10 seconds, linear radiance
-  lightcull render city -o city.png --size 640x360        a picture to look at
-  lightcull render room.glb -o room.exr --max-depth 6 --spp 256
-  lightcull render cornell -o a.exr --sampler uniform --spp 16 --seed 7
-
-  lightcull render city -o city.exr --spp 4096 --checkpoint city.checkpoint
-  lightcull render city -o city.exr --spp 4096 --resume city.checkpoint
-
-A render that was resumed has the same bits as one that never stopped. The checkpoint is whole at any
-moment; one of another scene, sampler, size, depth, seed or build is refused.
-
-The same seed gives the same image, whatever the number of threads. An .exr holds what made it:
-scene, sampler, seed, samples, seconds."""
-
-_COMPARE_EXAMPLES = """\
-examples:
-  lightcull compare lanterns --samplers uniform,culled --seconds 20
-  lightcull compare city --samplers light_bvh,culled,paper -o report-city
-  lightcull compare cornell --samplers culled:sets=16,culled:sets=64 --spp 64
-  lightcull compare --host mitsuba scene.xml --samplers path,culled
-
-Builds and refits count as render time. The samplers take turns, so that a noisy machine is fair to
-all. A reference is rendered first, for 8 times as long, by a sampler that is not compared (or by
-two if all are), and kept in ~/.cache/lightcull. The folder gets index.html, report.json, report.csv
-and the images."""
-
-_BENCH_EXAMPLES = """\
-examples:
-  lightcull bench                                         every example scene and the series
-  lightcull bench lanterns --json bench.json
-  lightcull bench series --samplers light_bvh,culled --threads 2
-  lightcull bench city --targets all --samplers culled
-
-Times are wall time, the median of five repetitions in which the samplers take turns:
-  batch    nanoseconds of a selection, many points to a call. All that a pass needs is in it: of
-           culled, the sorting of the points AND the pass's refit for every set of ranges
-  single   nanoseconds of a selection, one point to a call; the pass's refit is not in it
-  ray      nanoseconds of one shadow ray from these points to the lights that the sampler chose
-  refit    nanoseconds of a pass's refit, per light and set of ranges; about 0 where there is none
-  build s  the build of the sampler, calibration included
-Counts: tree nodes visited and lights tested per point. B/light: memory of the sampler.
-Points are what camera rays hit; scattered: what paths hit after one bounce and after two; uniform:
-anywhere in the scene's bounds. exhaustive has fewer points where there are many lights. --json
-writes a list of rows with the keys scene, lights, points (camera, scattered, uniform), sampler,
-entry (batch, single), target, threads, ns_per_selection, shadow_ray_ns, nodes_per_point,
-lights_tested_per_point, refit_ns_per_light, build_seconds and bytes_per_light. All of it takes
-half an hour or so; a scene takes one or two minutes."""
-
-_INFO_EXAMPLES = """\
-examples:
-  lightcull info lanterns
-  lightcull info room.glb                                 also names what is not supported
-  lightcull info city --size 3840x2160 --sampler light_bvh
-
-The memory is that of `lightcull render` with the same options, which is set up to find it out."""
-
-
-_SELFTEST_EXAMPLES = """\
-examples:
-  lightcull selftest                                      a minute or two
-  lightcull selftest --json selftest.json                 and a row for each case and instruction set
-
-Numbers that are hard to compute with: tiny, huge and distant scenes, points on lights and in their
-planes, powers over twelve decades, needles, edges of ranges, furnaces. Each case shows our error
-beside a closed form or an exhaustive answer, what rounding in single precision (or noise) allows, and
-how many of the instruction sets pass, the scalar path among them. It ends with a line `N passed, 0
-failed`; the exit code is 1 if any fails."""
 
 
 class _Parser(argparse.ArgumentParser):
@@ -130,20 +30,21 @@ class _Parser(argparse.ArgumentParser):
 
 def make_parser() -> argparse.ArgumentParser:
     """The parser of the whole command line."""
-    parser = _make(_Parser, "lightcull", _OVERVIEW, _EXAMPLES)
+    parser = _make(_Parser, "lightcull", texts.OVERVIEW, texts.EXAMPLES)
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
+    about = texts.OVERVIEW.split("\n", 2)[2]
 
     def add(name: str, summary: str, examples: str) -> argparse.ArgumentParser:
         command: argparse.ArgumentParser = commands.add_parser(
             name,
             help=summary,
-            description=f"{summary[0].upper()}{summary[1:]}.\n\n{_OVERVIEW.split(chr(10), 2)[2]}",
+            description=f"{summary[0].upper()}{summary[1:]}.\n\n{about}",
             epilog=examples,
             formatter_class=argparse.RawDescriptionHelpFormatter,
         )
         return command
 
-    render = add("render", "render a scene to an image", _RENDER_EXAMPLES)
+    render = add("render", "render a scene to an image", texts.RENDER)
     _add_sampler(render)
     render.add_argument("--view", help="of a .png: see through this view; default: the first")
     render.add_argument(
@@ -160,7 +61,7 @@ def make_parser() -> argparse.ArgumentParser:
     )
     _add_shared(render, seconds=10, output="SCENE.exr", output_help=".exr or .png to write")
 
-    compare = add("compare", "compare samplers in equal time", _COMPARE_EXAMPLES)
+    compare = add("compare", "compare samplers in equal time", texts.COMPARE)
     _add_samplers(compare, DEFAULT_SAMPLERS)
     compare.add_argument(
         "--reference-seconds",
@@ -170,13 +71,13 @@ def make_parser() -> argparse.ArgumentParser:
     )
     _add_shared(compare, seconds=30, output="report", output_help="folder to write")
 
-    info = add("info", "say what is in a scene, and what memory it takes", _INFO_EXAMPLES)
+    info = add("info", "say what is in a scene, and what memory it takes", texts.INFO)
     _add_scene(info)
     _add_sampler(info)
     _add_image(info)
-    selftest = add("selftest", "check hard cases on this machine", _SELFTEST_EXAMPLES)
+    selftest = add("selftest", "check hard cases on this machine", texts.SELFTEST)
     selftest.add_argument("--json", metavar="FILE", help="file to write the results to")
-    _add_bench(add("bench", "measure what a selection costs", _BENCH_EXAMPLES))
+    _add_bench(add("bench", "measure what a selection costs", texts.BENCH))
     return parser
 
 

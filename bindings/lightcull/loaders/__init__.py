@@ -60,6 +60,8 @@ def _check_file(path: Path) -> None:
     try:
         if path.is_dir():
             raise Error(f"{path}: is a folder")
+        if path.exists() and not path.is_file():
+            raise Error(f"{path}: is not a file")
         with path.open("rb"):
             pass
     except FileNotFoundError as error:
@@ -72,7 +74,7 @@ def _check_file(path: Path) -> None:
 
 def example_scene(name: str) -> Scene:
     """Makes one of the example scenes, which are named in `lightcull.scenes.NAMES`."""
-    if name not in scenes.NAMES:
+    if checks.text("name", name) not in scenes.NAMES:
         raise Error(f"no example scene {name!r}{_did_you_mean(name)}; {_there_are()}")
     scene = scenes.build(name)
     scene.name = name
@@ -83,7 +85,8 @@ def open_scene(name_or_path: str) -> Scene:
     """An example scene by its name, else a scene from a file."""
     if name_or_path in scenes.NAMES:
         return example_scene(name_or_path)
-    if os.path.exists(checks.path("scene", name_or_path)) or Path(name_or_path).suffix.lower() in _LOADERS:
+    path = Path(checks.path("scene", name_or_path))
+    if os.path.exists(path) or path.suffix.lower() in _LOADERS:
         return load(name_or_path)
     raise Error(
         f"{name_or_path!r} is neither a file nor an example scene"
