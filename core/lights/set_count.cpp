@@ -9,8 +9,8 @@
 namespace lightcull {
 
 void check_set_count(std::uint32_t set_count) {
-    const bool power_of_4 = set_count >= 1 && (1u << (2 * log4_of(set_count))) == set_count;
-    if (!power_of_4 || set_count > kMaxSetCount) {
+    const bool in_range = set_count >= 1 && set_count <= kMaxSetCount;
+    if (!in_range || (1u << (2 * log4_of(set_count))) != set_count) {
         throw Error("sets is " + std::to_string(set_count) + ", wanted a power of 4 from 1 to " +
                     std::to_string(kMaxSetCount));
     }
