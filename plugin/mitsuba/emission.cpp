@@ -1,5 +1,7 @@
 #include "emission.h"
 
+#include <mitsuba/core/warp.h>
+
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -18,6 +20,8 @@ constexpr std::uint32_t kSpectralPoints = 16;
 /// Directions in which a point is looked at: angles from its axis, times angles about it.
 constexpr std::uint32_t kPolarSteps = 512, kAzimuthSteps = 8;
 constexpr float kNearlyPeak = 0.9f;
+/// Of an emitter without a place.
+constexpr std::uint32_t kSamples = 64, kDirections = 4096;
 
 /// Two numbers in [0, 1) that spread evenly (the R2 sequence).
 template <typename Float>
@@ -139,7 +143,8 @@ PointEmission EmissionProbe<Float, Spectrum>::point() const {
     std::vector<float> profile(kPolarSteps);
     for (std::uint32_t i = 0; i < kPolarSteps; ++i) {
         profile[i] = mean(&seen[0][std::size_t{i} * kAzimuthSteps], kAzimuthSteps);
-        result.peak = std::max(result.peak, profile[i]);
+        // One that is no number stays.
+        if (!(profile[i] <= result.peak) && !std::isnan(result.peak)) result.peak = profile[i];
     }
     // A spot's fall-off is known by its angle alone; of anything else only the peak is used.
     const bool is_spot = emitter_->class_name() == "SpotLight" && !varies();
@@ -152,6 +157,42 @@ PointEmission EmissionProbe<Float, Spectrum>::point() const {
         if (profile[i] > kNearlyPeak * result.peak) result.inner = angle;
     }
     return result;
+}
+
+template <typename Float, typename Spectrum>
+float EmissionProbe<Float, Spectrum>::mean_of_samples(const ScalarPoint3f& point) const {
+    const auto seen = evaluate<1, Float>(kSamples, [&](const auto& lane) {
+        const Float index = to_float<Float>(lane);
+        auto from = dr::zeros<Interaction3f>(dr::width(lane));
+        from.p = Point3f(point);
+        from.wavelengths = wavelengths<Float, Spectrum>(index);
+        const Spectrum weight = emitter_->sample_direction(from, spread<Float>(index), true).second;
+        return std::array<Float, 1>{absolute_luminance<Float, Spectrum>(weight, from.wavelengths)};
+    });
+    return mean(seen[0].data(), kSamples);
+}
+
+template <typename Float, typename Spectrum>
+float EmissionProbe<Float, Spectrum>::mean_of_environment() const {
+    const auto seen = evaluate<1, Float>(kDirections, [&](const auto& lane) {
+        const Float index = to_float<Float>(lane);
+        auto si = dr::zeros<SurfaceInteraction3f>(dr::width(lane));
+        si.wi = warp::square_to_uniform_sphere(spread<Float>(index));
+        si.wavelengths = wavelengths<Float, Spectrum>(index);
+        const Spectrum radiance = emitter_->eval(si, true);
+        return std::array<Float, 1>{absolute_luminance<Float, Spectrum>(radiance, si.wavelengths)};
+    });
+    return mean(seen[0].data(), kDirections);
+}
+
+template <typename Float, typename Spectrum>
+bool EmissionProbe<Float, Spectrum>::can_be_sampled(const ScalarPoint3f& point) const {
+    const float sampled = mean_of_samples(point);
+    if (!std::isfinite(sampled)) return false;
+    if (!emitter_->is_environment()) return true;
+    // One bad texel of a map spoils the samples of all.
+    const float there = mean_of_environment();
+    return std::isfinite(there) && (there == 0.0f || sampled > 0.0f);
 }
 
 #define INSTANTIATE(Float, Spectrum) template class EmissionProbe<Float, Spectrum>;

@@ -41,7 +41,14 @@ class EmissionProbe {
     /// Of an emitter that is a point. Its peak is 0 if no light was found.
     PointEmission point() const;
 
+    /// Of an emitter without a place: whether samples of it from a point are numbers, and tell of
+    /// the light that there is.
+    bool can_be_sampled(const ScalarPoint3f& point) const;
+
   private:
+    float mean_of_samples(const ScalarPoint3f& point) const;
+    float mean_of_environment() const;
+
     bool varies() const { return has_flag(emitter_->flags(), EmitterFlags::SpatiallyVarying); }
 
     const Emitter* emitter_;

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "scene_lights.h"
@@ -34,6 +36,19 @@ class LightTables {
 
     bool has_triangles() const { return has_triangles_; }
     bool has_wholes() const { return has_wholes_; }
+    bool has_unplaced() const { return unplaced_count_ != 0; }
+
+    /// One of the unplaced emitters, of which there are some, and its probability.
+    std::pair<EmitterPtr, Float> unplaced(const Float& random) const {
+        UInt32 place(0);
+        if (unplaced_count_ > 1) {
+            place = dr::binary_search<UInt32>(0, unplaced_count_ - 1, [&](const UInt32& i) {
+                return dr::gather<Float>(unplaced_sums_, i) <= random;
+            });
+        }
+        return {dr::gather<EmitterPtr>(unplaced_, place),
+                dr::gather<Float>(unplaced_probs_, place)};
+    }
 
     EmitterPtr emitter(const UInt32& light, const Mask& active) const {
         return dr::gather<EmitterPtr>(emitters_, light, active);
@@ -52,7 +67,9 @@ class LightTables {
     static constexpr std::uint32_t kNoTriangle = 0xffffffffu;
 
   private:
-    using Detached = dr::detached_t<Float>;
+    void load_sources(const Scene* scene, const SceneLights<Float, Spectrum>& lights);
+    void load_triangles(const SceneLights<Float, Spectrum>& lights);
+    void load_unplaced(const SceneLights<Float, Spectrum>& lights);
 
     // By the emitter's place in Dr.Jit's registry.
     UInt32 kinds_, first_lights_;
@@ -62,29 +79,34 @@ class LightTables {
     UInt32 triangles_;
     Float corners_[3], areas_;
     bool has_triangles_ = false, has_wholes_ = false;
+    // By the place among the unplaced; the sums are of their probabilities up to it.
+    std::uint32_t unplaced_count_ = 0;
+    EmitterPtr unplaced_;
+    Float unplaced_probs_, unplaced_sums_;
 };
 
 template <typename Float, typename Spectrum>
 LightTables<Float, Spectrum>::LightTables(const Scene* scene,
                                           const SceneLights<Float, Spectrum>& lights) {
+    load_sources(scene, lights);
+    if (!lights.lights().empty()) load_triangles(lights);
+    if (!lights.unplaced().empty()) load_unplaced(lights);
+}
+
+template <typename Float, typename Spectrum>
+void LightTables<Float, Spectrum>::load_sources(const Scene* scene,
+                                                const SceneLights<Float, Spectrum>& lights) {
     std::uint32_t ids = 1;
     for (const auto& emitter : scene->emitters()) {
         ids = std::max(ids, jit_registry_id(emitter.get()) + 1);
     }
     std::vector<std::uint32_t> kinds(ids, kOnlyHit), first_lights(ids, 0);
     std::vector<float> probs(ids, 0.0f);
-    const std::size_t count = lights.lights().size();
-    std::vector<const Emitter*> emitters(count);
-    std::vector<std::uint32_t> triangles(count, kNoTriangle);
     for (const auto& source : lights.sources()) {
         const std::uint32_t id = jit_registry_id(source.emitter);
         kinds[id] = source.mesh ? kTriangles : kWhole;
         first_lights[id] = source.first;
         (source.mesh ? has_triangles_ : has_wholes_) = true;
-        for (std::uint32_t i = 0; i < source.count; ++i) {
-            emitters[source.first + i] = source.emitter;
-            if (source.mesh) triangles[source.first + i] = i;
-        }
     }
     for (const auto& unplaced : lights.unplaced()) {
         const std::uint32_t id = jit_registry_id(unplaced.emitter);
@@ -94,7 +116,19 @@ LightTables<Float, Spectrum>::LightTables(const Scene* scene,
     kinds_ = dr::load<UInt32>(kinds.data(), ids);
     first_lights_ = dr::load<UInt32>(first_lights.data(), ids);
     probs_ = dr::load<Float>(probs.data(), ids);
-    if (count == 0) return;
+}
+
+template <typename Float, typename Spectrum>
+void LightTables<Float, Spectrum>::load_triangles(const SceneLights<Float, Spectrum>& lights) {
+    const std::size_t count = lights.lights().size();
+    std::vector<const Emitter*> emitters(count);
+    std::vector<std::uint32_t> triangles(count, kNoTriangle);
+    for (const auto& source : lights.sources()) {
+        for (std::uint32_t i = 0; i < source.count; ++i) {
+            emitters[source.first + i] = source.emitter;
+            if (source.mesh) triangles[source.first + i] = i;
+        }
+    }
     emitters_ = dr::load<EmitterPtr>(emitters.data(), count);
     triangles_ = dr::load<UInt32>(triangles.data(), count);
     std::vector<float> corners[3], areas;
@@ -106,6 +140,22 @@ LightTables<Float, Spectrum>::LightTables(const Scene* scene,
     }
     for (int k = 0; k < 3; ++k) corners_[k] = dr::load<Float>(corners[k].data(), corners[k].size());
     areas_ = dr::load<Float>(areas.data(), areas.size());
+}
+
+template <typename Float, typename Spectrum>
+void LightTables<Float, Spectrum>::load_unplaced(const SceneLights<Float, Spectrum>& lights) {
+    std::vector<const Emitter*> emitters;
+    std::vector<float> probs, sums;
+    float sum = 0.0f;
+    for (const auto& [emitter, prob] : lights.unplaced()) {
+        emitters.push_back(emitter);
+        probs.push_back(prob);
+        sums.push_back(sum += prob);
+    }
+    unplaced_count_ = static_cast<std::uint32_t>(emitters.size());
+    unplaced_ = dr::load<EmitterPtr>(emitters.data(), emitters.size());
+    unplaced_probs_ = dr::load<Float>(probs.data(), probs.size());
+    unplaced_sums_ = dr::load<Float>(sums.data(), sums.size());
 }
 
 }  // namespace mitsuba::culling

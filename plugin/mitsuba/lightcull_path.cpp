@@ -1,62 +1,42 @@
-#include <lightcull/error.h>
-#include <lightcull/samplers.h>
-
 #include <mitsuba/core/profiler.h>
 #include <mitsuba/core/util.h>
 #include <mitsuba/render/integrator.h>
 #include <nanothread/nanothread.h>
 #include <tbb/task_arena.h>
 
-#include <atomic>
 #include <memory>
 #include <string>
-#include <type_traits>
 #include <utility>
 
 #include "block_passes.h"
 #include "camera_points.h"
 #include "light_tables.h"
+#include "made_sampler.h"
 #include "parameters.h"
 #include "path_scalar.h"
 #include "path_wavefront.h"
+#include "receiver.h"
 #include "refusal.h"
+#include "render_task.h"
 #include "scene_lights.h"
+#include "shape_count.h"
+#include "spare.h"
 #include "variants.h"
 #include "wavefront_passes.h"
 
 namespace mitsuba::culling {
 namespace {
 
-/// What sample() is to do, as far as its parameters do not say: set by the thread that calls it.
-template <typename Float, typename Spectrum>
-class Task {
-  public:
-    /// The sets of ranges of the one path, or the passes, of which there is one to trace.
-    using Part =
-        std::conditional_t<dr::is_jit_v<Float>, WavefrontPasses<Float, Spectrum>, const PathSets>;
-
-    Task(const PathSetup<Float, Spectrum>& setup, Part& part)
-        : setup(setup), part(part), previous_(std::exchange(current_, this)) {}
-    ~Task() { current_ = previous_; }
-    Task(const Task&) = delete;
-    Task& operator=(const Task&) = delete;
-
-    static const Task* current() { return current_; }
-
-    const PathSetup<Float, Spectrum>& setup;
-    Part& part;
-
-  private:
-    const Task* previous_;
-    static thread_local const Task* current_;
-};
-template <typename Float, typename Spectrum>
-thread_local const Task<Float, Spectrum>* Task<Float, Spectrum>::current_ = nullptr;
-
-/// Runs it with as many threads as Mitsuba uses.
+/// Runs it with as many threads as Mitsuba uses. An arena for each thread that calls: in one that
+/// is full, another thread would run the function. It is kept, since TBB never frees all of one.
 template <typename Function>
 void in_arena(const Function& function) {
-    tbb::task_arena(static_cast<int>(pool_size())).execute(function);
+    thread_local std::unique_ptr<tbb::task_arena> arena;
+    const auto threads = static_cast<int>(pool_size());
+    if (!arena || arena->max_concurrency() != threads) {
+        arena = std::make_unique<tbb::task_arena>(threads);
+    }
+    arena->execute(function);
 }
 
 std::uint64_t number_of_pass(std::uint32_t seed, std::uint32_t pass) {
@@ -70,20 +50,6 @@ std::uint32_t to_number(const UInt32& value) {
     } else {
         return value;
     }
-}
-
-template <typename Scene>
-void warn_of_many_shapes(const Scene* scene) {
-    constexpr std::size_t kMany = 500;
-    static std::atomic<bool> warned{false};
-    std::size_t count = 0;
-    for (const auto& emitter : scene->emitters()) count += emitter->shape() != nullptr;
-    if (count <= kMany || warned.exchange(true)) return;
-    Log(Warn,
-        "The scene has %u shapes that emit. In LLVM variants the time of a render grows with the "
-        "square of their number: merge them into one mesh by "
-        "lightcull.mitsuba.merge_emitters(scene_dict).",
-        count);
 }
 
 }  // namespace
@@ -103,7 +69,7 @@ class LightcullPath final : public MonteCarloIntegrator<Float, Spectrum> {
     explicit LightcullPath(const Properties& properties)
         : Base(properties), description_(sampler_description(properties)) {
         // What is wrong in the description is so before there are lights.
-        ::lightcull::make_sampler(description_, {});
+        MadeSampler({description_, {}, {}, 0});
     }
 
     TensorXf render(Scene* scene, Sensor* sensor, UInt32 seed, std::uint32_t spp, bool develop,
@@ -116,10 +82,10 @@ class LightcullPath final : public MonteCarloIntegrator<Float, Spectrum> {
 
         const SceneLights<Float, Spectrum> lights(scene);
         const ScalarVector2u size = sampled_size(sensor->film());
-        const auto selector = make_selector(scene, sensor, lights, size);
-        const Job job{{this, scene, &lights, selector.get(), nullptr, m_max_depth, m_rr_depth,
-                       m_hide_emitters},
-                      *selector,
+        std::unique_ptr<MadeSampler> made = make_selector(scene, sensor, lights, size);
+        const Job job{{this, scene, &lights, &made->sampler(), nullptr, m_max_depth, m_rr_depth,
+                       m_hide_emitters, has_glossy_surfaces(scene)},
+                      made->sampler(),
                       sensor,
                       size,
                       sensor->film()->prepare(aov_names()),
@@ -132,6 +98,7 @@ class LightcullPath final : public MonteCarloIntegrator<Float, Spectrum> {
         } else {
             render_blocks(job);
         }
+        selector_.keep(std::move(made));
         TensorXf image = finish(sensor->film(), develop, evaluate);
         if (!m_stop) {
             Log(Info, "Rendering finished. (took %s)",
@@ -144,16 +111,14 @@ class LightcullPath final : public MonteCarloIntegrator<Float, Spectrum> {
     /// redraw the ranges there.
     std::pair<Spectrum, Mask> sample(const Scene*, Sampler* sampler, const RayDifferential3f& ray,
                                      const Medium*, Float*, Mask active) const override {
-        const auto* task = Task<Float, Spectrum>::current();
+        DRJIT_MARK_USED(active);
+        const auto* task = RenderTask<Float, Spectrum>::current();
         if (!task || task->setup.integrator != this) {
             Throw("lightcull_path must be the scene's own integrator, not one within another");
         }
         if constexpr (dr::is_jit_v<Float>) {
-            DRJIT_MARK_USED(active);
-            return trace_wavefront(task->setup, sampler, ray, task->part.sets(),
-                                   task->part.memory());
+            return trace_wavefront(task->setup, sampler, ray, task->part.pass());
         } else {
-            DRJIT_MARK_USED(active);
             return trace_path(task->setup, sampler, ray, task->part);
         }
     }
@@ -195,16 +160,19 @@ class LightcullPath final : public MonteCarloIntegrator<Float, Spectrum> {
         return size;
     }
 
-    std::unique_ptr<::lightcull::LightSampler> make_selector(
-        const Scene* scene, const Sensor* sensor, const SceneLights<Float, Spectrum>& lights,
-        const ScalarVector2u& size) const {
-        const auto points = typical_points<Float, Spectrum>(scene, sensor);
-        std::unique_ptr<::lightcull::LightSampler> selector;
-        in_arena([&] {
-            selector = ::lightcull::make_sampler(description_, lights.lights(),
-                                                 {points, size.x() * size.y()});
-        });
-        return selector;
+    /// The one of the last render, where it would be made from the same.
+    std::unique_ptr<MadeSampler> make_selector(const Scene* scene, const Sensor* sensor,
+                                               const SceneLights<Float, Spectrum>& lights,
+                                               const ScalarVector2u& size) {
+        SamplerInput input{description_, lights.lights(),
+                           typical_points<Float, Spectrum>(scene, sensor), size.x() * size.y()};
+        std::unique_ptr<MadeSampler> made = selector_.take();
+        if (made && made->is_of(input)) {
+            Log(Info, "The light sampler of the last render serves again");
+            return made;
+        }
+        in_arena([&] { made = std::make_unique<MadeSampler>(std::move(input)); });
+        return made;
     }
 
     void render_blocks(const Job& job) {
@@ -222,7 +190,7 @@ class LightcullPath final : public MonteCarloIntegrator<Float, Spectrum> {
                         Float* channels) {
                         const PathSets sets =
                             sets_of_sample(pixel.x, pixel.y, pixel.sample, range_sets);
-                        const Task<Float, Spectrum> task(job.setup, sets);
+                        const RenderTask<Float, Spectrum> task(job.setup, sets);
                         render_sample(job.setup.scene, job.sensor, sampler, block, channels,
                                       pixel.corner, differential_scale);
                     },
@@ -237,9 +205,11 @@ class LightcullPath final : public MonteCarloIntegrator<Float, Spectrum> {
             const LightTables<Float, Spectrum> tables(job.setup.scene, *job.setup.lights);
             PathSetup<Float, Spectrum> setup = job.setup;
             setup.tables = &tables;
+            std::unique_ptr<LaneMemory> memory = memory_.take();
+            if (!memory) memory = std::make_unique<LaneMemory>();
             WavefrontPasses<Float, Spectrum> passes(job.sensor, job.size, job.seed, job.spp,
-                                                    job.selector.set_count());
-            const Task<Float, Spectrum> task(setup, passes);
+                                                    job.selector.set_count(), *memory);
+            const RenderTask<Float, Spectrum> task(setup, passes);
             const float differential_scale = dr::rsqrt(static_cast<float>(job.spp));
             const std::unique_ptr<Float[]> channels(new Float[job.channels]);
             Progress progress(passes.count());
@@ -253,6 +223,7 @@ class LightcullPath final : public MonteCarloIntegrator<Float, Spectrum> {
                 progress.step();
             }
             passes.finish();
+            memory_.keep(std::move(memory));
         } else {
             DRJIT_MARK_USED(job);
         }
@@ -279,6 +250,8 @@ class LightcullPath final : public MonteCarloIntegrator<Float, Spectrum> {
     }
 
     std::string description_;
+    Spare<MadeSampler> selector_;
+    Spare<LaneMemory> memory_;
 };
 
 namespace {

@@ -9,6 +9,12 @@
 
 namespace mitsuba::culling {
 
+/// Whether a sampler's numbers are independent of each other, so that any seed gives as good ones.
+template <typename Sampler>
+bool is_independent(const Sampler* sampler) {
+    return sampler->class_name() == "IndependentSampler";
+}
+
 /// How many samples a pixel gets in a pass: a divisor of spp, `most` or less. They use different
 /// sets of random ranges, which are rotations of each other, so that they repeat no error.
 inline std::uint32_t samples_per_pass(std::uint32_t most, std::uint32_t spp,
@@ -31,5 +37,17 @@ inline PathSets sets_of_sample(std::uint32_t x, std::uint32_t y, std::uint32_t s
         ::lightcull::set_of_pixel(x + even_bits(sample), y + even_bits(sample >> 1), range_sets);
     return {camera, x + 5 * y + 3 * sample};
 }
+
+/// The same for all paths of a wavefront, where those of a pixel follow each other, row by row.
+struct SetPattern {
+    std::uint32_t width = 1;    ///< pixels
+    std::uint32_t samples = 1;  ///< of each
+    std::uint32_t range_sets = 1;
+
+    PathSets sets(std::uint32_t path) const {
+        const std::uint32_t pixel = path / samples;
+        return sets_of_sample(pixel % width, pixel / width, path % samples, range_sets);
+    }
+};
 
 }  // namespace mitsuba::culling

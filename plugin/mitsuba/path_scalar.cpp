@@ -6,15 +6,21 @@
 
 #include <cmath>
 
+#include "receiver.h"
+#include "triangle_pdf.h"
 #include "triangle_point.h"
 #include "variants.h"
 
 namespace mitsuba::culling {
 namespace {
 
-using ::lightcull::Receipt;
 using ::lightcull::Selection;
 using ::lightcull::ShadingPoint;
+
+template <typename Vector>
+::lightcull::float3 to_float3(const Vector& v) {
+    return {v.x(), v.y(), v.z()};
+}
 
 /// One path, from the camera to its end. Where lights come in, and depths, roulette and weights,
 /// it does what Mitsuba's `path` does.
@@ -72,16 +78,10 @@ class ScalarPath {
             return prob > 0.0f ? prob * emitter->pdf_direction(last_, ds) : 0.0f;
         }
         const std::uint32_t light = source->first + (source->mesh ? si_.prim_index : 0);
-        const Float prob = setup_.selector->prob(point_, receipt_, light);
-        if (!source->mesh) return prob * emitter->pdf_direction(last_, ds);
-        return prob * triangle_pdf(light, si_.n, ds.d, ds.dist);
-    }
-
-    /// Solid angle density of a point sampled uniformly on a triangle.
-    Float triangle_pdf(std::uint32_t light, const Normal3f& normal, const Vector3f& direction,
-                       Float distance) const {
+        const Float select_prob = prob(light);
+        if (!source->mesh) return select_prob * emitter->pdf_direction(last_, ds);
         const Float area = setup_.lights->triangles()[light].area;
-        return dr::square(distance) / (area * dr::abs(dr::dot(normal, direction)));
+        return select_prob * triangle_pdf(area, si_.n, ds.d, ds.dist);
     }
 
     /// Adds direct light at si_, and scatters; false if the path ends here.
@@ -90,7 +90,7 @@ class ScalarPath {
         const std::uint32_t flags = bsdf->flags();
         const bool smooth = has_flag(flags, BSDFFlags::Smooth);
         if (smooth) {
-            select_light(flags);
+            select_light(bsdf, flags);
             add_light(bsdf);
             add_unplaced(bsdf);
         }
@@ -107,37 +107,45 @@ class ScalarPath {
         return survives();
     }
 
-    void select_light(std::uint32_t bsdf_flags) {
-        point_.position = {si_.p.x(), si_.p.y(), si_.p.z()};
-        const Normal3f n = dr::mulsign(si_.sh_frame.n, Frame3f::cos_theta(si_.wi));
-        point_.normal = {n.x(), n.y(), n.z()};
-        if ((bsdf_flags & kSmoothTransmission) != 0) point_.normal = {0, 0, 0};
-        const std::uint32_t sets = setup_.selector->set_count();
-        point_.set =
-            depth_ == 0 ? sets_.camera : ::lightcull::set_of_packet(sets_.packet + depth_, sets);
-        selection_ = {};
-        if (!setup_.lights->lights().empty()) {
-            selection_ = setup_.selector->select(point_, sampler_->next_1d());
+    void select_light(const BSDF* bsdf, std::uint32_t bsdf_flags) {
+        const auto& lights = setup_.lights->lights();
+        if (lights.size() < 2) {
+            selection_ = {0, lights.empty() ? 0.0f : 1.0f, {}};
+            return;
         }
-        receipt_ = selection_.receipt;
+        const bool glossy = has_flag(bsdf_flags, BSDFFlags::GlossyReflection);
+        const Receiver<Float> receiver =
+            glossy ? glossy_receiver<Float, Spectrum>(si_, bsdf, bsdf_flags, true)
+                   : matte_receiver<Float, Spectrum>(si_, bsdf_flags);
+        point_ = {to_float3(si_.p),
+                  to_float3(receiver.normal),
+                  sets_.at(depth_, setup_.selector->set_count()),
+                  receiver.diffuse,
+                  {to_float3(receiver.axis), receiver.alpha, receiver.peak}};
+        selection_ = setup_.selector->select(point_, sampler_->next_1d());
+    }
+
+    /// The probability of `light` at the last vertex, to weigh with.
+    Float prob(std::uint32_t light) const {
+        if (setup_.lights->lights().size() < 2) return 1.0f;
+        return setup_.selector->prob(point_, selection_.receipt, light);
     }
 
     void add_light(const BSDF* bsdf) {
         if (!(selection_.prob > 0.0f)) return;
         const auto& source = setup_.lights->source_of(selection_.light);
-        const Float prob = setup_.selector->prob_is_proxy()
-                               ? setup_.selector->prob(point_, receipt_, selection_.light)
-                               : selection_.prob;
+        const Float mis_prob =
+            setup_.selector->prob_is_proxy() ? prob(selection_.light) : selection_.prob;
         if (source.mesh) {
-            add_triangle(bsdf, source, prob);
+            add_triangle(bsdf, source, mis_prob);
         } else {
-            add_whole(bsdf, source.emitter, selection_.prob, prob);
+            add_whole(bsdf, source.emitter, selection_.prob, mis_prob);
         }
     }
 
-    /// Light from a point on the triangle that was chosen; `prob` is the one to weigh it with.
+    /// Light from a point on the triangle that was chosen.
     void add_triangle(const BSDF* bsdf, const typename SceneLights<Float, Spectrum>::Source& source,
-                      Float prob) {
+                      Float mis_prob) {
         const auto& [a, b, c, area] = setup_.lights->triangles()[selection_.light];
         const Point2f uv = warp::square_to_uniform_triangle(sampler_->next_2d());
         const Point3f p0(a.x, a.y, a.z), p1(b.x, b.y, b.z), p2(c.x, c.y, c.z);
@@ -152,10 +160,10 @@ class ScalarPath {
         at.wavelengths = ray_.wavelengths;
         at.time = ray_.time;
         const Spectrum radiance = source.emitter->eval(at);
-        const Float pdf = triangle_pdf(selection_.light, at.n, direction, distance);
+        const Float pdf = triangle_pdf(area, at.n, direction, distance);
         if (!std::isfinite(pdf) || dr::all(unpolarized_spectrum(radiance) == 0.0f)) return;
         const Spectrum weight = radiance / (selection_.prob * pdf);
-        add_if_visible(bsdf, p, direction, weight, prob * pdf, false);
+        add_if_visible(bsdf, p, direction, weight, mis_prob * pdf, false);
     }
 
     /// Light from an emitter that Mitsuba samples.
@@ -214,7 +222,6 @@ class ScalarPath {
     Float bsdf_pdf_ = 1.0f;
     bool weigh_ = false;
     ShadingPoint point_;
-    Receipt receipt_;
     Selection selection_;
 };
 

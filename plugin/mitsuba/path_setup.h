@@ -25,6 +25,7 @@ struct PathSetup {
     std::uint32_t max_depth = 0;                           ///< as of Mitsuba's `path`, all three
     std::uint32_t rr_depth = 0;
     bool hide_emitters = false;
+    bool has_lobes = false;  ///< whether a surface has a glossy lobe to tell the selector of
 };
 
 /// The set of random ranges that a path uses at its camera point, and where those of its later
@@ -32,11 +33,12 @@ struct PathSetup {
 struct PathSets {
     std::uint32_t camera = 0;
     std::uint32_t packet = 0;
-};
 
-/// Light from behind counts for a BSDF with one of these.
-inline constexpr std::uint32_t kSmoothTransmission =
-    BSDFFlags::DiffuseTransmission | BSDFFlags::GlossyTransmission;
+    /// At the point after `depth` bounces.
+    std::uint32_t at(std::uint32_t depth, std::uint32_t set_count) const {
+        return depth == 0 ? camera : ::lightcull::set_of_packet(packet + depth, set_count);
+    }
+};
 
 /// The power heuristic; 0 where neither technique can.
 template <typename Float>

@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "pass_samples.h"
+
 namespace mitsuba::culling {
 
 /// The random numbers of each pixel in scalar variants, where a pass returns to a pixel for one
@@ -20,7 +22,7 @@ class PixelSamplers {
 
     PixelSamplers(Sampler* prototype, std::uint32_t pixels, std::uint32_t seed)
         : prototype_(prototype), seed_(seed) {
-        if (prototype->class_name() == "IndependentSampler") return;
+        if (is_independent(prototype)) return;
         kept_.resize(pixels);
         for (std::uint32_t pixel = 0; pixel < pixels; ++pixel) {
             kept_[pixel] = prototype->fork();

@@ -61,6 +61,8 @@ Facing facing_of(const Mesh<Float, Spectrum>* mesh) {
 
 template <typename Float, typename Spectrum>
 SceneLights<Float, Spectrum>::SceneLights(const Scene* scene) {
+    const auto box = scene->bbox();
+    middle_ = box.valid() ? box.center() : ScalarPoint3f(0.0f);
     for (const auto& emitter : scene->emitters()) add(emitter.get());
     float weights = 0.0f;
     for (const Unplaced& unplaced : unplaced_) weights += unplaced.prob;
@@ -89,7 +91,7 @@ void SceneLights<Float, Spectrum>::add(const Emitter* emitter) {
     } else if (has_flag(flags, EmitterFlags::DeltaPosition) && emitter->bbox().valid()) {
         add_point(emitter);
     } else {
-        unplaced_.push_back({emitter, emitter->sampling_weight()});
+        add_unplaced(emitter);
     }
 }
 
@@ -143,6 +145,7 @@ void SceneLights<Float, Spectrum>::add_shape(const Emitter* emitter) {
     const float radiance = std::max(emission.front, emission.back);
     const bool two_sided = emission.front > 0.0f && emission.back > 0.0f;
     if (emission.front == 0.0f) normal = {-normal.x, -normal.y, -normal.z};
+    if (area == 0.0f) normal = {0, 0, 1};  // it has none
 
     const std::uint32_t type = shape->shape_type();
     Light light;
@@ -165,7 +168,7 @@ void SceneLights<Float, Spectrum>::add_point(const Emitter* emitter) {
     const PointEmission emission = EmissionProbe<Float, Spectrum>(emitter).point();
     // A beam that the probe missed must still be sampled, since no ray can hit a point.
     if (emission.peak == 0.0f) {
-        unplaced_.push_back({emitter, emitter->sampling_weight()});
+        add_unplaced(emitter);
         return;
     }
     const std::size_t first = lights_.size();
@@ -176,6 +179,14 @@ void SceneLights<Float, Spectrum>::add_point(const Emitter* emitter) {
                   : ::lightcull::point_light(emission.position, emission.peak),
               {});
     close_source(emitter, nullptr, first);
+}
+
+template <typename Float, typename Spectrum>
+void SceneLights<Float, Spectrum>::add_unplaced(const Emitter* emitter) {
+    if (!EmissionProbe<Float, Spectrum>(emitter).can_be_sampled(middle_)) {
+        Throw("lightcull_path: %s: its radiance or place is not finite", name_of(emitter));
+    }
+    unplaced_.push_back({emitter, emitter->sampling_weight()});
 }
 
 template <typename Float, typename Spectrum>

@@ -63,10 +63,12 @@ class SceneLights {
     void add_mesh(const Emitter* emitter, const Mesh* mesh);
     void add_shape(const Emitter* emitter);
     void add_point(const Emitter* emitter);
+    void add_unplaced(const Emitter* emitter);
     void add_light(const Emitter* emitter, const ::lightcull::Light& light,
                    const Triangle& triangle);
     void close_source(const Emitter* emitter, const Mesh* mesh, std::size_t first);
 
+    ScalarPoint3f middle_;  ///< of the scene
     std::vector<::lightcull::Light> lights_;
     std::vector<Triangle> triangles_;
     std::vector<std::uint32_t> source_of_;

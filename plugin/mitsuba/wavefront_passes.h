@@ -2,6 +2,7 @@
 
 #include <lightcull/light_sampler.h>
 
+#include <mitsuba/core/random.h>
 #include <mitsuba/render/film.h>
 #include <mitsuba/render/imageblock.h>
 #include <mitsuba/render/sampler.h>
@@ -9,7 +10,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <vector>
 
 #include "pass_samples.h"
 #include "path_wavefront.h"
@@ -24,8 +24,12 @@ class WavefrontPasses {
 
     /// size: pixels, with the border. range_sets: of the light sampler.
     WavefrontPasses(Sensor* sensor, const ScalarVector2u& size, std::uint32_t seed,
-                    std::uint32_t spp, std::uint32_t range_sets)
-        : film_(sensor->film()), sampler_(sensor->sampler()), block_(film_->create_block()) {
+                    std::uint32_t spp, std::uint32_t range_sets, LaneMemory& memory)
+        : film_(sensor->film()),
+          sampler_(sensor->sampler()),
+          block_(film_->create_block()),
+          seed_(seed),
+          memory_(memory) {
         const std::uint32_t pixels = dr::prod(size);
         const std::uint32_t samples =
             samples_per_pass(std::min(kMostLanes / pixels, kMostSamples), spp, range_sets);
@@ -36,13 +40,12 @@ class WavefrontPasses {
         block_->set_offset(film_->crop_offset());
         block_->set_coalesce(block_->coalesce() && samples >= kFewestToCoalesce);
         place(size, samples, lanes);
-        choose_sets(size.x(), samples, lanes, range_sets);
+        pattern_ = {size.x(), samples, range_sets};
     }
 
     std::uint32_t count() const { return count_; }
-    /// Of each lane.
-    const std::vector<PathSets>& sets() const { return sets_; }
-    WavefrontMemory& memory() { return memory_; }
+    /// The one to be rendered next.
+    WavefrontPass pass() { return {pattern_, memory_, sample_tea_32(seed_, done_).first}; }
     Sampler* sampler() const { return sampler_; }
     ImageBlock* block() const { return const_cast<ImageBlock*>(block_.get()); }
     /// Corner of each lane's pixel on the film.
@@ -50,6 +53,7 @@ class WavefrontPasses {
 
     /// To be called after each pass.
     void advance() {
+        ++done_;
         sampler_->advance();
         sampler_->schedule_state();
         dr::eval(block_->tensor());
@@ -75,22 +79,14 @@ class WavefrontPasses {
         dr::eval(corners_);
     }
 
-    void choose_sets(std::uint32_t width, std::uint32_t samples, std::uint32_t lanes,
-                     std::uint32_t range_sets) {
-        sets_.resize(lanes);
-        for (std::uint32_t lane = 0; lane < lanes; ++lane) {
-            const std::uint32_t pixel = lane / samples;
-            sets_[lane] = sets_of_sample(pixel % width, pixel / width, lane % samples, range_sets);
-        }
-    }
-
     Film* film_;
     Sampler* sampler_;
     ref<ImageBlock> block_;
-    std::uint32_t count_ = 1;
+    std::uint32_t seed_;
+    std::uint32_t count_ = 1, done_ = 0;
     Vector2f corners_;
-    std::vector<PathSets> sets_;
-    WavefrontMemory memory_;
+    SetPattern pattern_;
+    LaneMemory& memory_;
 };
 
 }  // namespace mitsuba::culling
