@@ -15,6 +15,8 @@ from ..scene import Scene
 from .host import mitsuba
 
 _GREY = (0.5, 0.5, 0.5)
+_PRINCIPLED_LEFT_OUT = ("anisotropic", "clearcoat", "flatness", "sheen", "spec_tint", "spec_trans")
+"""Parameters of a principled material that ours has not, where they are above 0."""
 
 
 def import_scene(source: Any, name: str = "scene") -> Scene:
@@ -56,11 +58,21 @@ class _Import:
     # ---- camera ----------------------------------------------------------------------------------
 
     def _add_camera(self) -> None:
-        sensor = self._source.sensors()[0]
+        sensors = self._source.sensors()
+        self._notes.left_out("sensor after the first", len(sensors) - 1)
+        if not sensors:
+            self._notes.remark("it has no sensor")
+            return
+        sensor = sensors[0]
         kind, values = sensor.class_name(), _values(sensor)
         if kind not in ("PerspectiveCamera", "ThinLensCamera"):
             self._notes.left_out(f"sensor {kind}")
             return
+        if list(sensor.film().crop_size()) != list(sensor.film().size()):
+            self._notes.left_out("crop window of the film")
+        offsets = (_number(values.get(f"principal_point_offset_{axis}", 0.0)) for axis in "xy")
+        if any(offsets):
+            self._notes.left_out("offset of the principal point")
         matrix = _matrix(values["to_world"])
         width, height = sensor.film().size()
         half_width = np.tan(np.radians(_number(values["x_fov"])) / 2)
@@ -86,6 +98,8 @@ class _Import:
         if geometry is None:
             self._notes.left_out(f"shape {kind}" + (" that emits" if shape.is_emitter() else ""))
             return
+        if shape.interior_medium() or shape.exterior_medium():
+            self._notes.left_out("medium")
         material = self._material(shape.bsdf())
         arrays = {"normals": geometry.normals, "uvs": geometry.uvs}
         where = {"material": material, "name": str(shape.id())}
@@ -107,6 +121,7 @@ class _Import:
                 each = np.array(values["face_radiance"], np.float32).reshape(-1, 3)
                 return {"radiance": each}
             if "emitter.radiance.data" in values and geometry.uvs is not None:
+                self._check_texture(values, "emitter.radiance")
                 texture = self._scene.add_texture(_texels(values["emitter.radiance.data"]))
                 return {"radiance": (1.0, 1.0, 1.0), "texture": texture}
         self._notes.left_out(f"shape with emission by {shape.emitter().class_name()}")
@@ -124,24 +139,41 @@ class _Import:
         kind, values = bsdf.class_name(), _values(bsdf)
         if kind == "TwoSidedBRDF":
             # Both sides as the first: ours have no other.
+            if any(key.startswith("brdf_1.") for key in values):
+                self._notes.left_out("other material on the back")
             values = {k.split(".", 1)[1]: v for k, v in values.items() if k.startswith("brdf_0.")}
             kind = _kind_of(values)
         if kind == "SmoothDiffuse":
             return self._scene.add_material("diffuse", **self._color(values, "reflectance"))
         if kind == "Principled":
-            return self._scene.add_material(
-                "metallic_roughness",
-                metallic=_number(values.get("metallic.value", 0.0)),
-                roughness=_number(values.get("roughness.value", 0.5)),
-                **self._color(values, "base_color"),
-            )
+            return self._new_principled(values)
         self._notes.left_out(f"material {kind or 'of two sides'}, shown as grey")
         return self._scene.add_material(base_color=_GREY)
+
+    def _new_principled(self, values: dict[str, Any]) -> int:
+        for name in _PRINCIPLED_LEFT_OUT:
+            if _number(values.get(f"{name}.value", 1.0)) > 0:
+                self._notes.left_out(f"{name} of Principled")
+        for name in ("metallic", "roughness"):
+            if f"{name}.value" not in values:
+                self._notes.left_out(f"texture of {name}")
+        return self._scene.add_material(
+            "metallic_roughness",
+            metallic=_number(values.get("metallic.value", 0.0)),
+            roughness=_number(values.get("roughness.value", 0.5)),
+            **self._color(values, "base_color"),
+        )
+
+    def _check_texture(self, values: dict[str, Any], name: str) -> None:
+        transform = values.get(f"{name}.to_uv")
+        if transform is not None and not np.allclose(_matrix(transform, 3), np.eye(3), atol=1e-5):
+            self._notes.left_out(f"transform of the texture of {name}")
 
     def _color(self, values: dict[str, Any], name: str) -> dict[str, Any]:
         if f"{name}.value" in values:
             return {"base_color": _rgb(values[f"{name}.value"])}
         if f"{name}.data" in values:
+            self._check_texture(values, name)
             texture = self._scene.add_texture(_texels(values[f"{name}.data"]))
             return {"base_color": (1.0, 1.0, 1.0), "base_color_texture": texture}
         self._notes.left_out(f"texture of {name}, shown as grey")
@@ -156,7 +188,7 @@ class _Import:
             self._scene.add_point_light(place, _rgb(values["intensity.value"]))
         elif kind == "SpotLight" and "intensity.value" in values and "texture.value" in values:
             self._add_spot(emitter, values)
-        elif kind == "ConstantBackgroundEmitter":
+        elif kind == "ConstantBackgroundEmitter" and "radiance.value" in values:
             self._scene.set_environment(_rgb(values["radiance.value"]))
         elif kind == "EnvironmentMapEmitter":
             self._add_environment(values)
@@ -243,5 +275,6 @@ def _number(value: Any) -> float:
     return float(np.array(value, np.float64).ravel()[0])
 
 
-def _matrix(transform: Any) -> np.ndarray:
-    return np.array(transform.matrix, np.float64).reshape(-1)[:16].reshape(4, 4)
+def _matrix(transform: Any, rows: int = 4) -> np.ndarray:
+    numbers = np.array(transform.matrix, np.float64).reshape(-1)
+    return numbers[: rows * rows].reshape(rows, rows)

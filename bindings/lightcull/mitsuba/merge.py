@@ -8,7 +8,6 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from .._core import Error
 from .host import mitsuba
 
 SceneDict: TypeAlias = dict[str, Any]
@@ -18,7 +17,7 @@ _CONSTANT_RADIANCES = ("blackbody", "d65", "irregular", "regular", "rgb", "spect
 _PARTS = ("emitter", "bsdf", "id")
 """Of a shape, that are not its geometry."""
 _MOST_MESHES = 16
-"""With more radiances than that, they become an attribute of one mesh."""
+"""With more radiances than that, they become an attribute of one mesh, where one can hold them."""
 
 
 def merge_emitters(scene: SceneDict) -> SceneDict:
@@ -26,12 +25,11 @@ def merge_emitters(scene: SceneDict) -> SceneDict:
 
     scene: as for `mi.load_dict`, of which a variant must be set. Shapes of type rectangle, cube,
     obj, ply and serialized with an `area` emitter of constant radiance are merged where they have
-    equal materials: into a mesh for each radiance, or, where there are more than 16, into one with
-    a `face_radiance` (which Mitsuba's own `path` does not sample rightly). All else stays as it is.
-    Shapes in the result are in world space.
-
-    Raises Error where more than 16 radiances are not RGB, or the variant is spectral: a mesh could
-    hold them only nearly.
+    equal materials: into a mesh for each radiance, or, where there are more than 16 and all are RGB
+    in an RGB variant, into one with a `face_radiance` (which Mitsuba's own `path` does not sample
+    rightly). Spectra have no such attribute that holds them exactly: scenes with many of them stay
+    fast in spectral LLVM variants if bulbs share some hundred radiances at most. All else stays as
+    it is. Shapes in the result are in world space.
     """
     merged: SceneDict = {}
     groups: dict[tuple[str, bool], list[_Part]] = {}
@@ -150,29 +148,26 @@ def _meshes_of(parts: list[_Part], name: str) -> SceneDict:
     by_radiance: dict[str, list[_Part]] = {}
     for part in parts:
         by_radiance.setdefault(_key(part.radiance), []).append(part)
-    if len(by_radiance) <= _MOST_MESHES:
+    colors = [_rgb(part.radiance) for part in parts]
+    if len(by_radiance) <= _MOST_MESHES or None in colors:
         return {
             f"{name}_{i}": _mesh(same, f"{name}_{i}", same[0].radiance)
             for i, same in enumerate(by_radiance.values())
         }
-    values = [_rgb(part.radiance) for part in parts]
-    each = np.repeat(np.float32(values), [len(part.faces) for part in parts], axis=0)
+    each = np.repeat(np.float32(colors), [len(part.faces) for part in parts], axis=0)
     attribute = {"type": "mesh_attribute", "name": "face_radiance"}
     return {name: _mesh(parts, name, attribute, each)}
 
 
-def _rgb(radiance: Any) -> list[float]:
-    if "spectral" not in mitsuba().variant():
-        if isinstance(radiance, int | float):
-            return [float(radiance)] * 3
-        if _type_of(radiance) == "rgb":
-            value = radiance["value"]
-            numbers = [value] * 3 if isinstance(value, int | float) else list(value)
-            return [float(number) for number in numbers]
-    raise Error(
-        f"merge_emitters: more than {_MOST_MESHES} radiances, which a mesh holds exactly only if "
-        f"they are RGB in an RGB variant; found {radiance!r} in {mitsuba().variant()}"
-    )
+def _rgb(radiance: Any) -> list[float] | None:
+    """As an attribute holds it exactly; None if none does."""
+    if "spectral" in mitsuba().variant():
+        return None
+    value = radiance["value"] if _type_of(radiance) == "rgb" else radiance
+    if isinstance(value, dict):
+        return None
+    numbers = [value] * 3 if isinstance(value, int | float) else list(value)
+    return [float(number) for number in numbers]
 
 
 def _mesh(

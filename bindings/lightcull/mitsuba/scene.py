@@ -24,8 +24,8 @@ PATH = "path"
 """Mitsuba's own integrator, as one of the samplers."""
 ANY_DEPTH = 2**31 - 1
 _SECONDS_PER_PASS = 0.5
-"""A pass is a render call, which sets up the sampler anew: it is made of as many samples as take
-this long, and more where the set-up is long."""
+"""A pass is a render call, which has a set-up: it is made of as many samples as take this long, and
+more where the set-up is long."""
 
 
 class MitsubaScene:
@@ -51,7 +51,7 @@ class MitsubaScene:
 
     @property
     def size(self) -> tuple[int, int]:
-        """Width and height of the film, pixels."""
+        """Width and height of the picture, pixels: of the film's crop window."""
         width, height = self.scene.sensors()[0].film().crop_size()
         return int(width), int(height)
 
@@ -74,10 +74,24 @@ class MitsubaScene:
         return best_not_under_test(["light_bvh", "culled"], under_test)
 
     def _set_size(self, size: tuple[int, int]) -> None:
+        """A crop window is scaled with its film: the picture shows what it showed before."""
         if self.size == size:
             return
         parameters = mitsuba().traverse(self.scene.sensors()[0])
-        parameters["film.size"] = list(size)
+        old = {key: list(parameters[f"film.{key}"]) for key in ("size", "crop_offset")}
+        factors = [new / was for new, was in zip(size, self.size, strict=True)]
+        scaled = {
+            key: [round(factor * x) for factor, x in zip(factors, value, strict=True)]
+            for key, value in old.items()
+        }
+        parameters["film.crop_size"] = list(size)
+        parameters["film.crop_offset"] = scaled["crop_offset"]
+        parameters["film.size"] = [
+            max(whole, offset + part)
+            for whole, offset, part in zip(
+                scaled["size"], scaled["crop_offset"], size, strict=True
+            )
+        ]
         parameters.update()
         if self.size != size:
             raise Error(f"{self.name}: its film cannot be made {size[0]}x{size[1]}")
