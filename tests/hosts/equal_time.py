@@ -4,9 +4,10 @@
     python tests/hosts/equal_time.py lanterns llvm_ad_rgb --seconds 60
     python tests/hosts/equal_time.py cornell scalar_rgb --seconds 60
 
-The integrators take turns; a render's set-up counts. In scalar_rgb every triangle of `lanterns` is
-an emitter of its own; in llvm_ad_rgb they are one mesh with a texel for each, which `path` can
-sample. Efficiency is 1 / (relMSE x seconds).
+The integrators take turns; a render's set-up counts. That takes `--seconds` for each of them, and
+the reference, which `lightcull_path` makes, `--reference`. In scalar_rgb every triangle of
+`lanterns` is an emitter of its own; in llvm_ad_rgb they are one mesh with a texel for each, which
+`path` can sample. Efficiency is 1 / (relMSE x seconds).
 """
 
 from __future__ import annotations
@@ -69,6 +70,7 @@ def main() -> None:
     parser.add_argument("scene", choices=["lanterns", "city", "cornell"])
     parser.add_argument("variant", choices=["scalar_rgb", "llvm_ad_rgb"])
     parser.add_argument("--seconds", type=float, default=60)
+    parser.add_argument("--reference", type=float, help="seconds; default: 4 times --seconds")
     parser.add_argument("--size", type=int, nargs=2, default=(320, 240))
     parser.add_argument("--max-depth", type=int, default=2)
     parser.add_argument("--spp", type=int, default=16, help="of a turn")
@@ -76,6 +78,7 @@ def main() -> None:
         "--integrators", nargs="+", default=["path", "uniform", "light_bvh", "culled"]
     )
     options = parser.parse_args()
+    reference_seconds = options.reference or 4 * options.seconds
 
     mi.set_variant(options.variant)
     scene = load(options.scene, options.variant, tuple(options.size))
@@ -88,14 +91,16 @@ def main() -> None:
     contenders = {
         name: Contender(scene, mi.load_dict(d | {"max_depth": options.max_depth}), options.spp)
         for name, d in integrators.items()
-        if name in options.integrators
+        if name in {"path", "culled", *options.integrators}
     }
+    total = options.seconds * len(contenders) + reference_seconds
+    print(f"{len(contenders)} integrators and the reference: {total:g} s", flush=True)
     turns(list(contenders.values()), options.seconds)
     # By the best one, in two halves with seeds of their own: how they differ tells what the
     # reference itself adds to an error, which is taken off.
     halves = [Contender(scene, contenders["culled"].integrator, options.spp) for _ in range(2)]
     for i, half in enumerate(halves):
-        while half.seconds < 2 * options.seconds:
+        while half.seconds < 0.5 * reference_seconds:
             half.render(REFERENCE_SEED * (i + 1) + half.renders)
     reference = 0.5 * (halves[0].image + halves[1].image)
     own = relmse_of_mean(halves[0].image, halves[1].image)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import json
 import os
 import subprocess
@@ -17,6 +18,7 @@ mi = pytest.importorskip("mitsuba", reason="Mitsuba is not installed")
 import lightcull  # noqa: E402
 import lightcull.mitsuba  # noqa: E402
 import mitsuba_scenes as scenes  # noqa: E402
+from lightcull.render import RenderSettings  # noqa: E402
 
 ROOT = Path(__file__).parents[2]
 
@@ -89,10 +91,33 @@ def test_what_cannot_be_merged_stays() -> None:
     assert "cube" not in merged
 
 
-def test_many_spectral_radiances_are_refused() -> None:
+def test_many_spectral_radiances_stay_exact() -> None:
+    """One mesh for each, where no attribute can hold them."""
     mi.set_variant("scalar_spectral")
-    with pytest.raises(lightcull.Error, match="in an RGB variant"):
-        lightcull.mitsuba.merge_emitters(bulbs(40))
+    scene = bulbs(20)
+    merged = lightcull.mitsuba.merge_emitters(scene)
+    assert 20 <= len(mi.load_dict(merged).emitters()) <= 40
+    apart, together = render(scene), render(merged)
+    assert np.allclose(apart.mean(axis=(0, 1)), together.mean(axis=(0, 1)), rtol=0.02)
+
+
+def test_a_crop_window_is_scaled_with_its_film() -> None:
+    mi.set_variant("scalar_rgb")
+    scene = lightcull.mitsuba.MitsubaScene(mi.load_dict(scenes.film_options()))
+    assert scene.size == (32, 24)
+
+    def picture(width: int, height: int) -> np.ndarray:
+        settings = RenderSettings((width, height), max_depth=2, seed=1, threads=0)
+        job = scene.new_job("culled", settings, spp=256)
+        job.render_pass()
+        while job.stats().spp < 256:
+            job.render_pass()
+        return job.image()
+
+    small, large = picture(32, 24), picture(64, 48)
+    assert large.shape == (48, 64, 3)
+    halved = large.reshape(24, 2, 32, 2, 3).mean(axis=(1, 3))
+    assert np.abs(halved - small).mean() < 0.1 * small.mean()
 
 
 @pytest.mark.parametrize(
@@ -121,6 +146,26 @@ def test_an_import_names_what_it_leaves_out() -> None:
         lightcull.Scene.from_mitsuba(mi.load_dict(scenes.round_lamps() | scenes.glass()))
     message = str(record[0].message)
     for thing in ("Sphere", "Disk", "Cylinder", "ThinDielectric"):
+        assert thing in message
+
+
+def test_an_import_names_what_it_leaves_out_of_things_it_knows() -> None:
+    mi.set_variant("scalar_rgb")
+    scene = scenes.film_options()
+    scene["floor"]["bsdf"] = {"type": "principled", "clearcoat": 0.5, "spec_trans": 0.2}
+    scene["wall"]["bsdf"] = {
+        "type": "twosided",
+        "front": scenes.diffuse(0.5),
+        "back": scenes.diffuse(0.1),
+    }
+    scene["wall"]["interior"] = {"type": "homogeneous"}
+    scene["second"] = scene["sensor"]
+    with pytest.warns(lightcull.UnsupportedWarning) as record:
+        lightcull.Scene.from_mitsuba(mi.load_dict(scene))
+    message = str(record[0].message)
+    for thing in ("clearcoat", "spec_trans", "other material on the back", "medium"):
+        assert thing in message
+    for thing in ("crop window", "sensor after the first"):
         assert thing in message
 
 
@@ -188,6 +233,31 @@ def test_example_of_fairy_lights(tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
     for name in ("path", "lightcull_path"):
         assert (tmp_path / f"fairy_lights_{name}.png").stat().st_size > 1000
+
+
+def test_cmake_says_what_to_install_and_builds_the_rest(tmp_path: Path) -> None:
+    """With a Python that has no Mitsuba, as one in a new environment."""
+    subprocess.run([sys.executable, "-m", "venv", "--without-pip", tmp_path / "venv"], check=True)
+    pybind = importlib.util.find_spec("pybind11")
+    assert pybind is not None and pybind.origin is not None
+    options = {
+        "Python_EXECUTABLE": tmp_path / "venv/bin/python",
+        "pybind11_DIR": Path(pybind.origin).parent / "share/cmake/pybind11",
+        "lightcull_DIR": ROOT / "build",
+        "SKBUILD_PROJECT_VERSION": "0",
+    }
+    done = subprocess.run(
+        ["cmake", "-G", "Ninja", "-S", ROOT / "bindings", "-B", tmp_path / "build"]
+        + [f"-D{key}={value}" for key, value in options.items()],
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr
+    said = " ".join(done.stdout.split())
+    assert "The Mitsuba plugin is not built: mitsuba is not installed" in said
+    assert "pip install mitsuba==3.8.0" in said
+    rules = (tmp_path / "build/build.ninja").read_text()
+    assert "build _core" in rules and "lightcull_path" not in rules
 
 
 def test_import_says_what_is_missing() -> None:
