@@ -28,18 +28,18 @@ void LaneSelector::gather_points(const Column<std::uint32_t>& lanes, const Point
     const Column<float> diffuse(receiver.diffuse), alphas(receiver.alpha), peaks(receiver.peak);
     const Column<float> randoms(random);
     const Column<std::uint32_t> paths(path);
-    auto& [slots, points, selections] = memory_.choices;
-    slots.resize(dr::width(path));
-    points.resize(lanes.size());
+    LaneMemory::Choices& choices = memory_.choices;
+    choices.slots.resize(dr::width(path));
+    choices.points.resize(lanes.size());
     memory_.random.resize(lanes.size());
     for_each_lane(lanes.size(), [&](std::size_t k) {
         const std::uint32_t i = lanes[k];
-        slots[i] = static_cast<std::uint32_t>(k);
-        points[k] = {positions[i],
-                     normals[i],
-                     pattern_.sets(paths[i]).at(depth, sampler_.set_count()),
-                     diffuse[i],
-                     {axes[i], alphas[i], peaks[i]}};
+        choices.slots[i] = static_cast<std::uint32_t>(k);
+        choices.points[k] = {positions[i],
+                             normals[i],
+                             pattern_.sets(paths[i]).at(depth, sampler_.set_count()),
+                             diffuse[i],
+                             {axes[i], alphas[i], peaks[i]}};
         memory_.random[k] = randoms[i];
     });
 }

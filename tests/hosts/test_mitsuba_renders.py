@@ -176,7 +176,7 @@ def growth(renders: int, kept: list[Any] | None = None) -> int:
 
 @pytest.mark.parametrize(
     ("variant", "warm_up", "renders", "most", "seen"),
-    [("scalar_rgb", 300, 700, 4_000_000, 40), ("llvm_ad_rgb", 60, 240, 3_000_000, 10)],
+    [("scalar_rgb", 300, 700, 4_000_000, 40), ("llvm_ad_rgb", 40, 120, 2_000_000, 6)],
 )
 def test_a_thousand_loads_and_renders_leave_nothing(
     variant: str, warm_up: int, renders: int, most: int, seen: int
