@@ -11,7 +11,9 @@ LaneSelector::Chosen LaneSelector::choose(const Mask& wanted, const Point3f& pos
         const Float certain(light_count_ == 1 ? 1.0f : 0.0f);
         return {UInt32(0), certain, certain};
     }
-    const Column<std::uint32_t> lanes(dr::compress(wanted));
+    const UInt32 left = dr::compress(wanted);
+    dr::sync_thread();  // it may not be written yet
+    const Column<std::uint32_t> lanes(left);
     const std::size_t count = dr::width(path);
     gather_points(lanes, position, receiver, path, random, depth);
     memory_.choices.selections.resize(lanes.size());

@@ -116,6 +116,7 @@ void LightTables<Float, Spectrum>::load_sources(const Scene* scene,
     kinds_ = dr::load<UInt32>(kinds.data(), ids);
     first_lights_ = dr::load<UInt32>(first_lights.data(), ids);
     probs_ = dr::load<Float>(probs.data(), ids);
+    dr::sync_thread();  // copied, before the memory goes
 }
 
 template <typename Float, typename Spectrum>
@@ -140,6 +141,7 @@ void LightTables<Float, Spectrum>::load_triangles(const SceneLights<Float, Spect
     }
     for (int k = 0; k < 3; ++k) corners_[k] = dr::load<Float>(corners[k].data(), corners[k].size());
     areas_ = dr::load<Float>(areas.data(), areas.size());
+    dr::sync_thread();  // copied, before the memory goes
 }
 
 template <typename Float, typename Spectrum>
@@ -156,6 +158,7 @@ void LightTables<Float, Spectrum>::load_unplaced(const SceneLights<Float, Spectr
     unplaced_ = dr::load<EmitterPtr>(emitters.data(), emitters.size());
     unplaced_probs_ = dr::load<Float>(probs.data(), probs.size());
     unplaced_sums_ = dr::load<Float>(sums.data(), sums.size());
+    dr::sync_thread();  // copied, before the memory goes
 }
 
 }  // namespace mitsuba::culling
