@@ -148,8 +148,8 @@ def _meshes_of(parts: list[_Part], name: str) -> SceneDict:
     by_radiance: dict[str, list[_Part]] = {}
     for part in parts:
         by_radiance.setdefault(_key(part.radiance), []).append(part)
-    colors = [_rgb(part.radiance) for part in parts]
-    if len(by_radiance) <= _MOST_MESHES or None in colors:
+    colors = [rgb for part in parts if (rgb := _rgb(part.radiance)) is not None]
+    if len(by_radiance) <= _MOST_MESHES or len(colors) < len(parts):
         return {
             f"{name}_{i}": _mesh(same, f"{name}_{i}", same[0].radiance)
             for i, same in enumerate(by_radiance.values())
