@@ -154,7 +154,7 @@ def _meshes_of(parts: list[_Part], name: str) -> SceneDict:
             f"{name}_{i}": _mesh(same, f"{name}_{i}", same[0].radiance)
             for i, same in enumerate(by_radiance.values())
         }
-    each = np.repeat(np.float32(colors), [len(part.faces) for part in parts], axis=0)
+    each = np.repeat(np.array(colors, np.float32), [len(part.faces) for part in parts], axis=0)
     attribute = {"type": "mesh_attribute", "name": "face_radiance"}
     return {name: _mesh(parts, name, attribute, each)}
 
