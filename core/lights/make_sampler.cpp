@@ -1,91 +1,11 @@
 #include <lightcull/error.h>
 #include <lightcull/samplers.h>
 
-#include <charconv>
-#include <string>
-#include <vector>
-
+#include "base/description.h"
 #include "lights/set_count.h"
 
 namespace lightcull {
 namespace {
-
-struct Option {
-    std::string_view key, value;
-};
-
-/// "name:key=value:key=value", taken apart. Every option has to be taken by someone.
-class Description {
-  public:
-    explicit Description(std::string_view text) : text_(text) {
-        std::size_t begin = text.find(':');
-        name = text.substr(0, begin);
-        while (begin != std::string_view::npos) {
-            const std::size_t end = text.find(':', ++begin);
-            const std::string_view part = text.substr(begin, end - begin);
-            const std::size_t equals = part.find('=');
-            if (equals == std::string_view::npos) {
-                fail("'" + std::string(part) + "' is no option: wanted KEY=VALUE");
-            }
-            options_.push_back({part.substr(0, equals), part.substr(equals + 1)});
-            begin = end;
-        }
-    }
-
-    [[noreturn]] void fail(const std::string& what) const {
-        throw Error("sampler '" + std::string(text_) + "': " + what);
-    }
-
-    /// The value of the last option of that name, or nothing; it counts as taken.
-    std::optional<std::string_view> take(std::string_view key) {
-        std::optional<std::string_view> value;
-        for (std::size_t i = options_.size(); i-- > 0;) {
-            if (options_[i].key != key) continue;
-            if (value) fail("option '" + std::string(key) + "' is given twice");
-            value = options_[i].value;
-            options_.erase(options_.begin() + static_cast<std::ptrdiff_t>(i));
-        }
-        return value;
-    }
-    template <typename Number>
-    bool take_number(std::string_view key, Number& number) {
-        const auto value = take(key);
-        if (value) number = parse<Number>(key, *value);
-        return value.has_value();
-    }
-    /// `chosen` becomes whether the value is `yes`, which or `no` it has to be.
-    void take_choice(std::string_view key, std::string_view yes, std::string_view no,
-                     bool& chosen) {
-        const auto value = take(key);
-        if (!value) return;
-        if (*value != yes && *value != no) {
-            fail(std::string(key) + " is '" + std::string(*value) + "', wanted " +
-                 std::string(yes) + " or " + std::string(no));
-        }
-        chosen = *value == yes;
-    }
-    void check_all_taken() const {
-        if (options_.empty()) return;
-        fail("no option '" + std::string(options_.front().key) + "' for " + std::string(name));
-    }
-
-    template <typename Number>
-    Number parse(std::string_view key, std::string_view value) const {
-        Number number{};
-        const char* end = value.data() + value.size();
-        const auto result = std::from_chars(value.data(), end, number);
-        if (result.ec != std::errc() || result.ptr != end) {
-            fail(std::string(key) + " is '" + std::string(value) + "', wanted a number");
-        }
-        return number;
-    }
-
-    std::string_view name;
-
-  private:
-    std::string_view text_;
-    std::vector<Option> options_;
-};
 
 void take_range_options(Description& description, const SamplerContext& context,
                         RangeOptions& range) {
@@ -142,7 +62,7 @@ std::unique_ptr<LightSampler> make_light_bvh(Description& description, Span<cons
 
 std::unique_ptr<LightSampler> make_sampler(std::string_view text, Span<const Light> lights,
                                            const SamplerContext& context) {
-    Description description(text);
+    Description description("sampler", text);
     if (description.name == "culled") return make_culled(description, lights, context);
     if (description.name == "paper") return make_paper(description, lights, context);
     if (description.name == "clamped") return make_clamped(description, lights, context);

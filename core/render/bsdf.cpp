@@ -1,5 +1,6 @@
 #include "render/bsdf.h"
 
+#include "render/ggx.h"
 #include "render/warp.h"
 
 #include <algorithm>
@@ -12,24 +13,11 @@ constexpr float kDielectricF0 = 0.04f;
 /// Neither lobe is sampled more rarely than this where both are there.
 constexpr float kMinLobeProb = 0.1f;
 
-/// GGX's density of normals, from the half vector rather than its cosine: 1 - cos^2 would cancel.
-float ggx(const V3f& half, float alpha) noexcept {
-    const float x = half.x / alpha, y = half.y / alpha;
-    const float d = x * x + y * y + half.z * half.z;
-    return kInvPi / (alpha * alpha * d * d);
-}
-
-/// Smith's masking, divided by 2 cosine: 1 / (cosine + sqrt(alpha^2 + (1 - alpha^2) cosine^2)).
-float masking_over_two_cosines(float cosine, float alpha) noexcept {
-    const float a2 = alpha * alpha;
-    return 1.0f / (cosine + std::sqrt(a2 + (1.0f - a2) * cosine * cosine));
-}
-
 }  // namespace
 
 Bsdf Bsdf::diffuse(const V3f& normal, const V3f& outgoing, const V3f& base_color) noexcept {
     Bsdf b;
-    b.frame_ = Frame(normal);
+    b.frame_ = Basis(normal);
     b.outgoing_ = b.frame_.to_local(outgoing);
     b.diffuse_ = base_color;
     return b;
@@ -50,9 +38,7 @@ Bsdf Bsdf::metallic_roughness(const V3f& normal, const V3f& outgoing, const V3f&
 }
 
 V3f Bsdf::fresnel(float cosine) const noexcept {
-    const float m = std::clamp(1.0f - cosine, 0.0f, 1.0f);
-    const float m2 = m * m;
-    return f0_ + (V3f(1.0f) - f0_) * (m2 * m2 * m);
+    return schlick(f0_, cosine);
 }
 
 float Bsdf::diffuse_part() const noexcept {
@@ -64,7 +50,7 @@ GlossyLobe Bsdf::glossy_part() const noexcept {
     if (specular_prob_ == 0.0f) return {};
     // evaluate() in the mirror direction, where the half vector is the normal.
     const float masking = masking_over_two_cosines(outgoing_.z, alpha_);
-    const float peak = ggx(V3f(0.0f, 0.0f, 1.0f), alpha_) * masking * masking * outgoing_.z;
+    const float peak = ggx(0.0f, 1.0f, alpha_) * masking * masking * outgoing_.z;
     const V3f mirrored(-outgoing_.x, -outgoing_.y, outgoing_.z);
     return {to_float3(frame_.to_world(mirrored)), alpha_, peak * luminance(fresnel(outgoing_.z))};
 }
@@ -80,7 +66,7 @@ BsdfValue Bsdf::evaluate_local(const V3f& incoming) const noexcept {
 
     const V3f half = unit(outgoing_ + incoming);
     const V3f reflected = fresnel(outgoing_.dot(half));
-    const float density = ggx(half, alpha_);
+    const float density = ggx(half.x * half.x + half.y * half.y, half.z * half.z, alpha_);
     const float view = masking_over_two_cosines(outgoing_.z, alpha_);
     const float light = masking_over_two_cosines(cosine, alpha_);
     // Visible normals: D G1(view) / (4 outgoing.z), and G1 = 2 outgoing.z * view.

@@ -46,6 +46,13 @@ class Bsdf {
 
     const V3f& normal() const noexcept { return frame_.normal; }
 
+    /// What it is made of: the albedo under the specular layer, and of that layer the reflectance
+    /// at normal incidence and alpha, where there is one.
+    const V3f& diffuse_albedo() const noexcept { return diffuse_; }
+    const V3f& f0() const noexcept { return f0_; }
+    float alpha() const noexcept { return alpha_; }
+    bool is_specular() const noexcept { return specular_prob_ > 0.0f; }
+
     /// The two parts of it as a light sampler takes them (ShadingPoint::diffuse and lobe), 1/sr by
     /// luminance.
     float diffuse_part() const noexcept;
@@ -56,7 +63,7 @@ class Bsdf {
     V3f sample_specular(const V2f& u) const noexcept;
     V3f fresnel(float cosine) const noexcept;
 
-    Frame frame_;
+    Basis frame_;
     V3f outgoing_{0.0f};  // in the frame
     V3f diffuse_{0.0f};   // albedo
     V3f f0_{0.0f};        // reflectance at normal incidence

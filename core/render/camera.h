@@ -20,6 +20,9 @@ class CameraRays {
     /// uniform numbers that choose a place on the lens.
     Ray ray(const V2f& place, const V2f& lens) const noexcept;
 
+    /// A place seen from the middle of the lens, metres: to the right, up, and forward.
+    V3f view_position(const V3f& place) const noexcept;
+
   private:
     V3f origin_, right_, up_, corner_, across_, down_;
     float aperture_radius_, focus_distance_;

@@ -35,7 +35,7 @@ struct Sampler {
 
     EmitterSample operator()(const SpotEmitter& emitter) const noexcept {
         EmitterSample s = from_point(emitter.position, emitter.intensity);
-        s.radiance *= falloff(emitter, -s.direction.dot(emitter.direction));
+        s.radiance *= spot_falloff(emitter, -s.direction.dot(emitter.direction));
         return s;
     }
 
@@ -53,13 +53,6 @@ struct Sampler {
         return place +
                normal * clearance(normal, abs(emitter.corner), emitter.edge1, emitter.edge2);
     }
-
-    static float falloff(const SpotEmitter& emitter, float cosine) noexcept {
-        if (cosine >= emitter.cos_inner) return 1.0f;
-        if (cosine <= emitter.cos_outer) return 0.0f;
-        const float ramp = (cosine - emitter.cos_outer) / (emitter.cos_inner - emitter.cos_outer);
-        return ramp * ramp;
-    }
 };
 
 }  // namespace
@@ -71,6 +64,13 @@ EmitterSample sample_emitter(const Scene::Impl& scene, const Emitter& emitter, c
     if (const auto* triangle = std::get_if<TriangleEmitter>(&emitter)) return sample(*triangle);
     if (const auto* point = std::get_if<PointEmitter>(&emitter)) return sample(*point);
     return sample(*std::get_if<SpotEmitter>(&emitter));
+}
+
+float spot_falloff(const SpotEmitter& emitter, float cosine) noexcept {
+    if (cosine >= emitter.cos_inner) return 1.0f;
+    if (cosine <= emitter.cos_outer) return 0.0f;
+    const float ramp = (cosine - emitter.cos_outer) / (emitter.cos_inner - emitter.cos_outer);
+    return ramp * ramp;
 }
 
 float triangle_pdf(const TriangleEmitter& emitter, const V3f& to_place) noexcept {

@@ -46,6 +46,9 @@ struct EmitterSample {
 EmitterSample sample_emitter(const Scene::Impl& scene, const Emitter& emitter, const V3f& from,
                              const V2f& u) noexcept;
 
+/// The part of its intensity that a spot emits at `cosine` from its direction.
+float spot_falloff(const SpotEmitter& emitter, float cosine) noexcept;
+
 /// Density per solid angle, seen from a point, of a place on the triangle that sample_emitter()
 /// would have chosen: `to_place` leads from the point to it. 0 in the triangle's plane.
 float triangle_pdf(const TriangleEmitter& emitter, const V3f& to_place) noexcept;

@@ -49,10 +49,10 @@ inline float luminance(const V3f& rgb) noexcept {
 
 /// An orthonormal basis around a unit normal (Duff et al. 2017, "Building an Orthonormal Basis,
 /// Revisited").
-class Frame {
+class Basis {
   public:
-    Frame() = default;
-    explicit Frame(const V3f& n) noexcept : normal(n) {
+    Basis() = default;
+    explicit Basis(const V3f& n) noexcept : normal(n) {
         const float sign = std::copysign(1.0f, n.z);
         const float a = -1.0f / (sign + n.z);
         const float b = n.x * n.y * a;

@@ -14,7 +14,7 @@
 /// size of the scene and wherever it lies.
 
 using namespace render_support;
-using lightcull::Frame;
+using lightcull::Basis;
 using lightcull::Hit;
 using lightcull::kNoHit;
 using lightcull::RandomStream;
@@ -85,7 +85,7 @@ std::vector<Ray> leaving(const std::vector<Surface>& surfaces) {
         const float angle = 2.0f * lightcull::kPi * random.next();
         const float sine = std::sqrt(1.0f - cosine * cosine);
         const V3f d(sine * std::cos(angle), sine * std::sin(angle), cosine);
-        const V3f direction = Frame(s.normal).to_world(d);
+        const V3f direction = Basis(s.normal).to_world(d);
         if (direction.dot(s.normal) > 0.0f) rays.push_back({s.origin, direction});
     }
     return rays;
