@@ -8,7 +8,7 @@ install(DIRECTORY include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
   PATTERN image EXCLUDE
   PATTERN render EXCLUDE)
 if(LIGHTCULL_RENDER)
-  list(APPEND LIGHTCULL_COMPONENTS image render)
+  list(APPEND LIGHTCULL_COMPONENTS image render virtual_lights)
   get_directory_property(embree_VERSION_MAJOR DIRECTORY render DEFINITION embree_VERSION_MAJOR)
   install(DIRECTORY include/lightcull/image include/lightcull/render
     DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/lightcull)

@@ -1,0 +1,39 @@
+#pragma once
+
+#include "base/alias_table.h"
+#include "render/path_random.h"
+#include "render/ray.h"
+#include "render/scene_impl.h"
+
+namespace lightcull {
+
+/// A ray along which light leaves an emitter, and the flux that it carries, W.
+struct LightRay {
+    Ray ray;
+    V3f flux;
+};
+
+/// Draws light rays from all emitters of a scene and its environment, in proportion to their power.
+class EmissionTable {
+  public:
+    /// The scene must outlive it.
+    explicit EmissionTable(const Scene::Impl& scene);
+
+    /// Nothing emits.
+    bool empty() const noexcept { return table_.empty(); }
+    /// One ray, with all flux of the scene in the mean. Not of an empty one.
+    LightRay sample(const PathRandom& random) const noexcept;
+
+  private:
+    LightRay from_environment(const PathRandom& random) const noexcept;
+
+    const Scene::Impl& scene_;
+    V3f center_{0.0f};  // of a sphere around all geometry
+    float radius_ = 0.0f;
+    AliasTable table_;  // the emitters, then the environment
+};
+
+/// A ray of a spot: u in the unit square goes to its cone, equal areas to equal solid angles.
+LightRay spot_ray(const SpotEmitter& spot, const V2f& u) noexcept;
+
+}  // namespace lightcull

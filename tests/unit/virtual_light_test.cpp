@@ -1,0 +1,169 @@
+#include "render/bsdf.h"
+#include "render_support.h"
+#include "virtual_lights/light_paths.h"
+
+#include <lightcull/error.h>
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <memory>
+#include <vector>
+
+using namespace render_support;
+using lightcull::Bsdf;
+using lightcull::VirtualLight;
+
+namespace {
+
+constexpr double kPiDouble = render_support::kPi;
+
+/// A closed box about the origin, of half edge 1, whose inside has an albedo.
+std::shared_ptr<Scene> box(float albedo) {
+    auto scene = std::make_shared<Scene>();
+    scene->add_material(diffuse(albedo));
+    Shape walls;
+    walls.add_level_square({0, -1, 0}, 1.0f, true);
+    walls.add_level_square({0, 1, 0}, 1.0f, false);
+    walls.add_quad({-1, -1, 1}, {-1, -1, -1}, {-1, 1, -1}, {-1, 1, 1});
+    walls.add_quad({1, -1, -1}, {1, -1, 1}, {1, 1, 1}, {1, 1, -1});
+    walls.add_quad({-1, -1, -1}, {1, -1, -1}, {1, 1, -1}, {-1, 1, -1});
+    walls.add_quad({1, -1, 1}, {-1, -1, 1}, {-1, 1, 1}, {1, 1, 1});
+    scene->add_mesh(walls.mesh("walls", 0));
+    return scene;
+}
+
+std::vector<VirtualLight> lights_of(Scene& scene, std::uint32_t count, std::uint32_t bounces,
+                                    std::uint64_t key = 1) {
+    scene.commit();
+    const EmissionTable emission(scene.impl());
+    return virtual_lights(scene.impl(), emit(emission, count, key), bounces, key);
+}
+
+/// The flux that diffuse lights have received on surfaces of an albedo, W by luminance.
+double flux(const std::vector<VirtualLight>& lights, double albedo) {
+    double sum = 0.0;
+    for (const VirtualLight& light : lights) {
+        sum += static_cast<double>(lightcull::luminance(light.strength)) * kPiDouble / albedo;
+    }
+    return sum;
+}
+
+constexpr std::uint32_t kPaths = 20000;
+
+}  // namespace
+
+TEST_CASE("virtual lights: in a closed box all flux of the emitters arrives") {
+    auto scene = box(0.5f);
+    Shape lamp;
+    lamp.add_level_square({0, 0.5f, 0}, 0.25f, false);
+    SUBCASE("one-sided triangles") {
+        scene->add_mesh(lamp.mesh("lamp", 0, emission(3.0f)));
+        CHECK(flux(lights_of(*scene, kPaths, 1), 0.5) == doctest::Approx(kPiDouble * 3.0 * 0.25));
+    }
+    SUBCASE("two-sided triangles") {
+        Emission e = emission(3.0f);
+        e.two_sided = true;
+        scene->add_mesh(lamp.mesh("lamp", 0, e));
+        CHECK(flux(lights_of(*scene, kPaths, 1), 0.5) ==
+              doctest::Approx(2.0 * kPiDouble * 3.0 * 0.25));
+    }
+    SUBCASE("points, in proportion to their power") {
+        scene->add_point_light({0, 0, 0}, {2, 2, 2});
+        scene->add_point_light({0.3f, 0, 0}, {0, 0, 0});
+        scene->add_point_light({0, 0.3f, 0}, {5, 5, 5});
+        CHECK(flux(lights_of(*scene, kPaths, 1), 0.5) == doctest::Approx(4.0 * kPiDouble * 7.0));
+    }
+    SUBCASE("a spot, whose rays differ by its ramp") {
+        scene->add_spot_light({0, 0, 0}, {1, 2, 3}, {4, 4, 4}, 0.3f, 0.7f);
+        const double ramp = (std::cos(0.3) - std::cos(0.7)) / 3.0;
+        CHECK(flux(lights_of(*scene, kPaths, 1), 0.5) ==
+              doctest::Approx(2.0 * kPiDouble * 4.0 * (1.0 - std::cos(0.3) + ramp)).epsilon(0.02));
+    }
+}
+
+TEST_CASE("virtual lights: each bounce keeps the albedo of the flux, in lights about as strong") {
+    auto scene = box(0.5f);
+    scene->add_point_light({0, 0, 0}, {1, 1, 1});
+    scene->commit();
+    const EmissionTable emission(scene->impl());
+    statistics::Accumulator three;
+    for (std::uint64_t key = 0; key < 40; ++key) {
+        const auto lights = virtual_lights(scene->impl(), emit(emission, 1000, key), 3, key);
+        three.add(flux(lights, 0.5));
+        for (const VirtualLight& light : lights) {
+            CHECK(light.strength.x == doctest::Approx(lights[0].strength.x));
+        }
+    }
+    const statistics::Estimate exact{4.0 * kPiDouble * (1.0 + 0.5 + 0.25), 0.0};
+    const statistics::Estimate found = three.estimate();
+    CHECK(std::sqrt(found.variance) < 0.005 * found.mean);
+    CHECK(statistics::p_of_z(statistics::z_of(found, exact)) > statistics::least_p());
+}
+
+TEST_CASE("virtual lights: a constant environment gives a sphere pi times its area") {
+    auto scene = std::make_shared<Scene>();
+    scene->add_material(diffuse(0.5f));
+    Shape ball;
+    ball.add_sphere({5, 0, 0}, 1.0f, 64);
+    scene->add_mesh(ball.mesh("ball", 0));
+    scene->set_environment(constant_environment(2.0f));
+    const double sphere = 4.0 * kPiDouble;
+    CHECK(flux(lights_of(*scene, 4 * kPaths, 1), 0.5) ==
+          doctest::Approx(2.0 * kPiDouble * sphere).epsilon(0.02));
+}
+
+TEST_CASE("virtual lights: a reflective shadow map holds the flux of its spot") {
+    auto scene = box(0.5f);
+    scene->add_spot_light({0, 0, 0}, {0, -1, 0}, {4, 4, 4}, 0.3f, 0.7f);
+    scene->commit();
+    const auto rays = shadow_map_rays(scene->impl(), 64, 1);
+    const auto lights = virtual_lights(scene->impl(), rays, 1, 1);
+    CHECK(lights.size() == 64 * 64);
+    const double ramp = (std::cos(0.3) - std::cos(0.7)) / 3.0;
+    CHECK(flux(lights, 0.5) ==
+          doctest::Approx(2.0 * kPiDouble * 4.0 * (1.0 - std::cos(0.3) + ramp)).epsilon(1e-3));
+
+    auto other = box(0.5f);
+    other->add_point_light({0, 0, 0}, {1, 1, 1});
+    other->commit();
+    CHECK_THROWS_AS(shadow_map_rays(other->impl(), 64, 1), Error);
+}
+
+TEST_CASE("virtual lights: no light, or none that shines, gives none") {
+    auto dark = box(0.5f);
+    CHECK(lights_of(*dark, kPaths, 3).empty());
+    auto faint = box(0.5f);
+    faint->add_point_light({0, 0, 0}, {0, 0, 0});
+    CHECK(lights_of(*faint, kPaths, 3).empty());
+    auto black = box(0.0f);
+    black->add_point_light({0, 0, 0}, {1, 1, 1});
+    CHECK(lights_of(*black, kPaths, 3).empty());
+}
+
+TEST_CASE("virtual lights: the lobes of a surface send out what its BSDF does") {
+    const V3f incoming = lightcull::unit(V3f(0.4f, -0.2f, 0.6f));
+    const V3f flux(3.0f, 2.0f, 1.0f);
+    for (const float roughness : {0.05f, 0.3f, 1.0f}) {
+        for (const float metallic : {0.0f, 0.5f, 1.0f}) {
+            Surface surface;
+            surface.bsdf = Bsdf::metallic_roughness({0, 0, 1}, incoming, {0.8f, 0.5f, 0.2f},
+                                                    metallic, roughness);
+            std::vector<VirtualLight> lights;
+            add_virtual_lights(surface, incoming, flux, lights);
+            CHECK(lights.size() == (metallic == 1.0f ? 1 : 2));
+            lightcull::RandomStream random(7);
+            for (int i = 0; i < 1000; ++i) {
+                // Half of the directions about the mirrored one.
+                V3f out(random.next() - 0.5f, random.next() - 0.5f, random.next() - 0.2f);
+                if (i % 2 == 0) out = V3f(-0.4f, 0.2f, 0.6f) + out * 0.1f;
+                out = lightcull::unit(out);
+                V3f sum(0.0f);
+                for (const VirtualLight& light : lights) sum += intensity(light, out);
+                const V3f expected = flux * surface.bsdf.evaluate(out).value;
+                CHECK(sum.x == doctest::Approx(expected.x).epsilon(1e-3));
+                CHECK(sum.z == doctest::Approx(expected.z).epsilon(1e-3));
+            }
+        }
+    }
+}
