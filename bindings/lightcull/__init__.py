@@ -18,10 +18,12 @@ from .render import Progress, RenderResult, Stats, render
 from .report import Comparison
 from .sampler import LightSampler, point_lights, triangle_lights
 from .scene import Camera, Scene
+from .virtual_lights import METHODS
 
 __all__ = [
     "COUNTS",
     "LIGHT",
+    "METHODS",
     "SAMPLERS",
     "SELECTION",
     "Camera",

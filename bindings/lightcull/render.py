@@ -16,6 +16,7 @@ from .checkpoint import Checkpoint, Keeper, RenderKey
 from .images import save_image
 from .interruption import Interruption
 from .scene import Scene
+from .virtual_lights import PATH, VirtualLightJob, check_method
 
 if TYPE_CHECKING:
     from .subject import Job, Subject
@@ -57,6 +58,19 @@ class Stats:
     sampler_seconds: float
     """Wall time of the passes that went to refits and to choosing lights."""
 
+    @classmethod
+    def of(cls, core: _core.RenderStats, setup_seconds: float) -> Stats:
+        """What the core counted, and what came before."""
+        return cls(
+            spp=core.passes,
+            seconds=setup_seconds + core.seconds,
+            setup_seconds=setup_seconds,
+            selection_seconds=core.selection_seconds,
+            selections=core.selections,
+            rays=core.rays,
+            sampler_seconds=core.sampler_seconds,
+        )
+
 
 @dataclass(frozen=True)
 class RenderResult:
@@ -71,11 +85,14 @@ class RenderResult:
     seed: int
     interrupted: bool
     """Ctrl-C came before it was done; the image is what there was by then."""
+    method: str = PATH
+    """Description of the method; see `render`."""
 
     def metadata(self) -> dict[str, str]:
         """What made the image, in words, for an image file."""
         return {
             "scene": self.scene,
+            "method": self.method,
             "sampler": self.sampler,
             "seed": str(self.seed),
             "samples": str(self.stats.spp),
@@ -149,17 +166,7 @@ class RenderJob:
         return self._scene.memory_size(), self._renderer.memory_size()
 
     def stats(self) -> Stats:
-        core = self._renderer.stats()
-        setup = self._setup_seconds()
-        return Stats(
-            spp=core.passes,
-            seconds=setup + core.seconds,
-            setup_seconds=setup,
-            selection_seconds=core.selection_seconds,
-            selections=core.selections,
-            rays=core.rays,
-            sampler_seconds=core.sampler_seconds,
-        )
+        return Stats.of(self._renderer.stats(), self._setup_seconds())
 
     def _setup_seconds(self) -> float:
         return self._setup_seconds_before + self._renderer.setup_seconds()
@@ -221,6 +228,7 @@ def render(
     scene: Scene | Subject,
     sampler: str = "culled",
     *,
+    method: str = PATH,
     seconds: float | None = None,
     spp: int | None = None,
     size: tuple[int, int] = (320, 240),
@@ -236,7 +244,9 @@ def render(
 
     scene: ours, or a `lightcull.mitsuba.MitsubaScene`. sampler: a description as in `LightSampler`.
     size: width and height, pixels. max_depth: longest path, in edges: 1 sees emitters only, 2
-    direct light. threads: 0 for all; the image does not depend on it. progress: called between
+    direct light. method: how light that bounces is found: "path" by paths; "vpl_all", "vpl_culled"
+    and "vpl_clamped" by virtual lights where light paths meet surfaces, which wants a max_depth of 3
+    to 5 (`lightcull render --help` has their options); the sampler is then for direct light. threads: 0 for all; the image does not depend on it. progress: called between
     passes; what it raises ends the render.
 
     checkpoint: a file to which the render is saved every `every` seconds and at its end, from which
@@ -250,6 +260,10 @@ def render(
     """
     budget = Budget(spp, seconds)
     settings = RenderSettings(size, max_depth, seed, threads)
+    if check_method(method) != PATH:
+        return _render_virtual_lights(
+            scene, method, sampler, budget, settings, progress, (checkpoint, resume)
+        )
     if not isinstance(scene, Scene):
         if not hasattr(scene, "new_job"):
             raise TypeError(f"scene: wanted a lightcull.Scene, got {scene!r}")
@@ -274,6 +288,29 @@ def render(
     return RenderResult(image, job.stats(), scene.name, sampler, max_depth, seed, interrupted)
 
 
+def _render_virtual_lights(
+    scene: Scene | Subject,
+    method: str,
+    sampler: str,
+    budget: Budget,
+    settings: RenderSettings,
+    progress: ProgressCallback | None,
+    files: tuple[str | os.PathLike[str] | None, ...],
+) -> RenderResult:
+    if not isinstance(scene, Scene):
+        raise Error(f"{method}: not for a scene of another renderer")
+    if any(file is not None for file in files):
+        raise Error(f"checkpoint and resume: not for {method}")
+    job = VirtualLightJob(scene, method, sampler, settings)
+    interrupted = _run(job, budget, progress, None)
+    image = job.image()
+    _warn_of_nonsense(scene.name, image)
+    return RenderResult(
+        image, job.stats(), scene.name, sampler, settings.max_depth, settings.seed, interrupted,
+        method,
+    )  # fmt: skip
+
+
 def _warn_of_nonsense(scene: str, image: np.ndarray) -> None:
     if not image.any():
         warnings.warn(f"{scene}: the image is black: no light is seen", stacklevel=3)
@@ -283,7 +320,7 @@ def _warn_of_nonsense(scene: str, image: np.ndarray) -> None:
 
 
 def _run(
-    job: Job, budget: Budget, progress: ProgressCallback | None, keep: Callable[[], None] | None
+    job: Job | VirtualLightJob, budget: Budget, progress: ProgressCallback | None, keep: Callable[[], None] | None
 ) -> bool:
     """Renders pass by pass until the budget is used up. True if Ctrl-C came before that."""
     with Interruption() as interruption:

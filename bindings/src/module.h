@@ -9,6 +9,7 @@ void bind_image(pybind11::module_& module);
 void bind_scene(pybind11::module_& module);
 void bind_sampler(pybind11::module_& module);
 void bind_renderer(pybind11::module_& module);
+void bind_virtual_lights(pybind11::module_& module);
 void bind_bench(pybind11::module_& module);
 
 }  // namespace lightcull::python

@@ -3,6 +3,7 @@
 #include "arena.h"
 #include "arrays.h"
 #include "counts.h"
+#include "interruptible.h"
 #include "module.h"
 
 #include <tbb/task_arena.h>
@@ -10,7 +11,6 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <future>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -20,7 +20,6 @@ namespace lightcull::python {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr std::chrono::milliseconds kSignalPeriod{50};
 constexpr std::uint32_t kCountedPoints = 512;
 
 /// A Renderer for Python: one call at a time, without the GIL, and open to Ctrl-C.
@@ -38,25 +37,10 @@ class InterruptibleRenderer {
         setup_seconds_ = std::chrono::duration<double>(Clock::now() - start).count();
     }
 
-    /// Python's signal handlers run in this thread only, so the pass is rendered in another.
     bool render_pass() {
-        const py::gil_scoped_release release;
-        const std::lock_guard lock(mutex_);
-        std::atomic<bool> cancel{false};
-        std::future<bool> pass =
-            std::async(std::launch::async, [&] { return renderer_->render_pass(&cancel); });
-        bool interrupted = false;
-        while (!interrupted && pass.wait_for(kSignalPeriod) != std::future_status::ready) {
-            const py::gil_scoped_acquire acquire;
-            interrupted = PyErr_CheckSignals() != 0;
-        }
-        if (interrupted) {
-            cancel = true;
-            pass.wait();
-            const py::gil_scoped_acquire acquire;
-            throw py::error_already_set();
-        }
-        return pass.get();
+        return run_interruptibly(mutex_, [&](const std::atomic<bool>* cancel) {
+            return renderer_->render_pass(cancel);
+        });
     }
 
     py::object image() {

@@ -6,11 +6,12 @@ set(LIGHTCULL_COMPONENTS base lights)
 install(DIRECTORY include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
   FILES_MATCHING PATTERN "*.h"
   PATTERN image EXCLUDE
-  PATTERN render EXCLUDE)
+  PATTERN render EXCLUDE
+  PATTERN virtual_lights EXCLUDE)
 if(LIGHTCULL_RENDER)
   list(APPEND LIGHTCULL_COMPONENTS image render virtual_lights)
   get_directory_property(embree_VERSION_MAJOR DIRECTORY render DEFINITION embree_VERSION_MAJOR)
-  install(DIRECTORY include/lightcull/image include/lightcull/render
+  install(DIRECTORY include/lightcull/image include/lightcull/render include/lightcull/virtual_lights
     DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/lightcull)
 endif()
 

@@ -30,9 +30,8 @@ Ray CameraRays::ray(const V2f& place, const V2f& lens) const noexcept {
     return {origin_ + offset, unit(through * focus_distance_ - offset)};
 }
 
-V3f CameraRays::view_position(const V3f& place) const noexcept {
-    const V3f way = place - origin_;
-    return {way.dot(right_), way.dot(up_), way.dot(up_.cross(right_))};
+V3f CameraRays::to_view(const V3f& v) const noexcept {
+    return {v.dot(right_), v.dot(up_), v.dot(up_.cross(right_))};
 }
 
 }  // namespace lightcull

@@ -20,8 +20,10 @@ class CameraRays {
     /// uniform numbers that choose a place on the lens.
     Ray ray(const V2f& place, const V2f& lens) const noexcept;
 
-    /// A place seen from the middle of the lens, metres: to the right, up, and forward.
-    V3f view_position(const V3f& place) const noexcept;
+    /// How far a vector leads to the right, up, and forward.
+    V3f to_view(const V3f& v) const noexcept;
+    /// The middle of the lens.
+    const V3f& origin() const noexcept { return origin_; }
 
   private:
     V3f origin_, right_, up_, corner_, across_, down_;

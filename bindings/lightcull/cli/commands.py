@@ -23,6 +23,7 @@ from ..images import apply_view, check_format, check_output, check_writable, mak
 from ..loaders import open_scene
 from ..render import RenderJob, RenderSettings, render
 from ..scene import Scene
+from ..virtual_lights import PATH
 from . import bench, selftest
 from .bars import Bars
 
@@ -30,6 +31,8 @@ if TYPE_CHECKING:
     from ..mitsuba.scene import MitsubaScene
 
 _SIZE, _MAX_DEPTH = (320, 240), 2
+_BOUNCED_DEPTH = 3
+"""Of methods that find bounced light alone."""
 
 Command: TypeAlias = Callable[[argparse.Namespace, Sequence[str], Console], bool]
 
@@ -44,6 +47,7 @@ def _render(options: argparse.Namespace, arguments: Sequence[str], messages: Con
             result = render(
                 scene,
                 options.sampler,
+                method=options.method,
                 progress=bars,
                 checkpoint=options.checkpoint,
                 every=options.every,
@@ -62,6 +66,7 @@ def _render(options: argparse.Namespace, arguments: Sequence[str], messages: Con
     print(
         f"{output}: {width}x{height}, {stats.spp} samples per pixel in {stats.seconds:.1f} s, "
         f"{options.sampler} among {lights}"
+        + (f", bounces by {options.method}" if options.method != PATH else "")
         + (", interrupted" if result.interrupted else "")
     )
     return not result.interrupted
@@ -72,7 +77,8 @@ def _open(options: argparse.Namespace) -> Scene | MitsubaScene:
     is_xml = Path(options.scene).suffix.lower() == ".xml"
     if options.host is None and not is_xml:
         options.size = options.size or _SIZE
-        options.max_depth = options.max_depth or _MAX_DEPTH
+        bounces = getattr(options, "method", PATH) != PATH
+        options.max_depth = options.max_depth or (_BOUNCED_DEPTH if bounces else _MAX_DEPTH)
         return open_scene(options.scene)
     if not is_xml:
         raise Error(f"{options.scene}: --host mitsuba is for an .xml scene of Mitsuba's")

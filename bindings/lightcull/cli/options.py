@@ -15,6 +15,7 @@ from ..bench import DEFAULT_THREADS as BENCH_THREADS
 from ..checks import MOST_32_BITS, MOST_64_BITS, MOST_PIXELS
 from ..compare import DEFAULT_SAMPLERS
 from ..sampler import check_description
+from ..virtual_lights import METHODS, PATH, check_method
 from . import texts
 
 MITSUBA_PATH = "path"
@@ -46,6 +47,10 @@ def make_parser() -> argparse.ArgumentParser:
 
     render = add("render", "render a scene to an image", texts.RENDER)
     _add_sampler(render)
+    render.add_argument(
+        "--method", type=_method, default=PATH, metavar="METHOD",
+        help=f"{', '.join(METHODS)}, with options; default: {PATH}",
+    )  # fmt: skip
     render.add_argument("--view", help="of a .png: see through this view; default: the first")
     render.add_argument(
         "--exposure", type=_finite, metavar="STOPS", help="of a .png: brighten it; default: 0"
@@ -240,6 +245,13 @@ def _sampler(text: str) -> str:
     except Error as error:
         raise argparse.ArgumentTypeError(str(error)) from error
     return text
+
+
+def _method(text: str) -> str:
+    try:
+        return check_method(text)
+    except Error as error:
+        raise argparse.ArgumentTypeError(str(error)) from error
 
 
 def _samplers(text: str) -> list[str]:

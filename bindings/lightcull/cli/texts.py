@@ -40,6 +40,7 @@ examples:
   lightcull render city -o city.png --size 640x360        a picture to look at
   lightcull render room.glb -o room.exr --max-depth 6 --spp 256
   lightcull render cornell -o a.exr --sampler uniform --spp 16 --seed 7
+  lightcull render cornell -o b.exr --method vpl_culled:lights=16384 --spp 8
 
   lightcull render city -o city.exr --spp 4096 --checkpoint city.checkpoint
   lightcull render city -o city.exr --spp 4096 --resume city.checkpoint
@@ -48,7 +49,18 @@ A render that was resumed has the same bits as one that never stopped. The check
 moment; one of another scene, sampler, size, depth, seed or build is refused.
 
 The same seed gives the same image, whatever the number of threads. An .exr holds what made it:
-scene, sampler, seed, samples, seconds."""
+scene, method, sampler, seed, samples, seconds.
+
+METHOD is how light that bounces is found, with --max-depth 3 (the default here) to 5:
+  path         by paths
+  vpl_culled   by virtual lights where light paths meet surfaces, with stochastic tiled lighting
+               (Tokuyoshi & Harada 2016, 2017)
+  vpl_clamped  the same with constant ranges: too dark, for comparison
+  vpl_all      every virtual light at every pixel: slow
+Options follow at colons: lights=65536 (light paths), shadows=rays|none, accepted=32 (virtual lights
+per pixel; or error_bound=), interleave=8 (1, 2, 4), filter=on|off, volume=spheroid|sphere_around|
+sphere_at_light, source=paths|shadow_map (of spots, with a texel for each of the lights). New virtual
+lights are drawn in each pass. --sampler is for direct light."""
 
 COMPARE = """\
 examples:

@@ -1,0 +1,95 @@
+"""Rendering by virtual lights: what bounces off surfaces is light that comes from there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from . import _core, checks
+from ._core import Error
+
+if TYPE_CHECKING:
+    from .render import RenderSettings, Stats
+    from .scene import Scene
+
+PATH = "path"
+"""The method that is the path tracer."""
+METHODS = (PATH, "vpl_all", "vpl_culled", "vpl_clamped")
+"""Names of the methods. `vpl_clamped` is biased."""
+
+
+def check_method(description: str) -> str:
+    """Returns the description of a method. Raises Error if it is none."""
+    if checks.text("method", description) != PATH:
+        _core.check_virtual_light_method(description)
+    return description
+
+
+@dataclass(frozen=True)
+class LightCounts:
+    """What virtual lights took: means over passes, and over pixels that show a surface."""
+
+    lights: float
+    """Virtual lights of a pass."""
+    listed: float
+    """Lights in the list of a pixel's tile."""
+    accepted: float
+    """Of them, those in whose range the pixel is."""
+    shadow_rays: float
+    """Per pixel."""
+    generation_seconds: float
+    """Per pass, as the following."""
+    lighting_seconds: float
+    """Ranges, culling, shading and shadows."""
+    filter_seconds: float
+
+    @property
+    def false_discovery_rate(self) -> float:
+        """The part of the listed lights in whose range the pixel is not."""
+        return 1.0 - self.accepted / self.listed if self.listed else 0.0
+
+
+class VirtualLightJob:
+    """A render by virtual lights that goes pass by pass, and its clock."""
+
+    def __init__(self, scene: Scene, method: str, sampler: str, settings: RenderSettings) -> None:
+        self.method = check_method(method)
+        self.sampler = checks.text("sampler", sampler)
+        if settings.max_depth < 3:
+            raise Error(
+                f"{method}: max_depth is {settings.max_depth}: virtual lights give what bounces, "
+                "from max_depth 3 on"
+            )
+        self._renderer = _core.VirtualLightRenderer(
+            scene.closed(), method, sampler, *settings.size, settings.max_depth, settings.seed,
+            settings.threads,
+        )  # fmt: skip
+
+    def render_pass(self) -> None:
+        """Adds one sample to every pixel, by new virtual lights. Ctrl-C drops the pass."""
+        self._renderer.render_pass()
+
+    def image(self) -> np.ndarray:
+        """The mean of the passes so far: float32 (H, W, 3)."""
+        return self._renderer.image()
+
+    def stats(self) -> Stats:
+        from .render import Stats
+
+        return Stats.of(self._renderer.stats(), self._renderer.setup_seconds())
+
+    def light_counts(self) -> LightCounts:
+        """After the first pass."""
+        stats = self._renderer.virtual_light_stats()
+        passes, pixels = self._renderer.stats().passes, max(stats.pixels, 1)
+        return LightCounts(
+            lights=stats.lights / passes,
+            listed=stats.listed / pixels,
+            accepted=stats.accepted / pixels,
+            shadow_rays=stats.shadow_rays / pixels,
+            generation_seconds=stats.generation_seconds / passes,
+            lighting_seconds=stats.lighting_seconds / passes,
+            filter_seconds=stats.filter_seconds / passes,
+        )

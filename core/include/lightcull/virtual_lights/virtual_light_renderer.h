@@ -1,0 +1,106 @@
+#pragma once
+
+#include <lightcull/float3.h>
+#include <lightcull/light_sampler.h>
+#include <lightcull/render/renderer.h>
+#include <lightcull/render/scene.h>
+#include <lightcull/samplers.h>
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <string_view>
+#include <vector>
+
+namespace lightcull {
+
+/// How the light of virtual lights is summed.
+enum class VirtualLightMethod {
+    kAll,      ///< every light at every pixel
+    kCulled,   ///< stochastic tiled lighting ([TH16] section 4, [TH17])
+    kClamped,  ///< tiled lighting with constant ranges ([TH16] appendix A): biased, for comparison
+};
+
+/// Where light paths start.
+enum class VirtualLightSource {
+    kPaths,      ///< at any emitter, in proportion to power
+    kShadowMap,  ///< at the texels of a reflective shadow map of each spot
+};
+
+enum class VirtualShadows { kNone, kRays };
+
+/// What encloses the places where a virtual light matters.
+enum class BoundingVolume {
+    kSpheroid,      ///< [TH17] Eqs. 13 to 15, of a glossy light; of a diffuse one a sphere that its
+                    ///< position lies off the centre of
+    kSphereAround,  ///< the sphere about that spheroid
+    kSphereAtLight,  ///< about the light, for its largest intensity ([TH16])
+};
+
+struct VirtualLightOptions {
+    VirtualLightMethod method = VirtualLightMethod::kCulled;
+    VirtualLightSource source = VirtualLightSource::kPaths;
+    /// Light paths, or texels of a shadow map (then a square number): each gives a virtual light or
+    /// two for each of its bounces.
+    std::uint32_t light_paths = 65536;
+    /// Of kCulled and kClamped. expected_accepted: virtual lights per pixel in the first pass, if
+    /// no error_bound ([TH16] Eq. 6, appendix A) is given.
+    RangeOptions range{{}, 32.0f, 1.0f, {}};
+    /// Pixels of a square of that many a side share the lights among them: 1, 2, 4 or 8.
+    std::uint32_t interleave = 8;
+    VirtualShadows shadows = VirtualShadows::kRays;
+    BoundingVolume volume = BoundingVolume::kSpheroid;
+    bool filter = true;  ///< a cross-bilateral filter over what virtual lights give
+};
+
+/// Options by their description: a name, then options, as in "vpl_culled",
+/// "vpl_culled:lights=65536:shadows=none", "vpl_clamped:error_bound=0.01". Names: vpl_all (1024
+/// lights, no interleaving and no filter unless told), vpl_culled, vpl_clamped. Options: lights;
+/// source (paths | shadow_map); shadows (rays | none); interleave; filter (on | off); error_bound
+/// (a number or auto), accepted, exposure (vpl_culled, vpl_clamped); volume (spheroid |
+/// sphere_around | sphere_at_light; vpl_culled). Throws Error for what is unknown or makes no
+/// sense.
+VirtualLightOptions parse_virtual_light_method(std::string_view description);
+
+/// What virtual lights took, over all passes.
+struct VirtualLightStats {
+    std::uint64_t lights = 0;  ///< generated
+    double generation_seconds = 0.0;
+    double lighting_seconds = 0.0;  ///< ranges, culling, shading, shadows
+    double filter_seconds = 0.0;
+    std::uint64_t pixels = 0;    ///< that show a surface
+    std::uint64_t listed = 0;    ///< lights in the lists of the pixels' tiles, over all pixels
+    std::uint64_t accepted = 0;  ///< of them, those in whose range the pixel was
+    std::uint64_t shadow_rays = 0;
+};
+
+/// A progressive renderer: emission and direct light as Renderer has them, and what bounces by
+/// virtual lights, new ones in each pass. The result depends on the scene, the settings, the
+/// options and the sampler, never on the number of threads.
+///
+/// Light from a virtual light falls off as 1 / max(d^2, s^2 / n), with s the extent of all n
+/// virtual lights: nearer than that they are too few for their patch of the surface. On surfaces
+/// with interpolated normals a virtual light takes its cosine from those.
+class VirtualLightRenderer {
+  public:
+    /// settings.max_depth: 3 to 5, for one to three bounces. `sampler` is for direct light. Throws
+    /// Error if the settings or options make no sense, or if a material is a perfect mirror, whose
+    /// light no virtual light can send on.
+    VirtualLightRenderer(std::shared_ptr<const Scene> scene, const RenderSettings& settings,
+                         const VirtualLightOptions& options, std::unique_ptr<LightSampler> sampler);
+    ~VirtualLightRenderer();
+
+    /// As Renderer::render_pass().
+    bool render_pass(const std::atomic<bool>* cancel = nullptr);
+    /// As Renderer::image().
+    std::vector<float3> image() const;
+    /// sampler_seconds, selection_seconds and selections are those of direct light.
+    RenderStats stats() const;
+    const VirtualLightStats& virtual_light_stats() const noexcept;
+
+  private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace lightcull

@@ -1,0 +1,48 @@
+#include "virtual_lights/camera_view.h"
+
+#include "lights/parallel_blocks.h"
+#include "render/path_random.h"
+
+namespace lightcull {
+namespace {
+
+void trace_block(const Scene::Impl& scene, const CameraRays& camera, std::uint64_t key,
+                 std::size_t begin, std::size_t end, CameraView& view) {
+    std::vector<Ray> rays;
+    std::vector<Hit> hits(end - begin);
+    for (std::size_t i = begin; i < end; ++i) {
+        // The path tracer's first edge.
+        const PathRandom random(key, static_cast<std::uint32_t>(i), 0);
+        const V2f corner(static_cast<float>(i % view.width), static_cast<float>(i / view.width));
+        rays.push_back(
+            camera.ray(corner + random.two(Dimension::kPixel), random.two(Dimension::kLens)));
+    }
+    scene.ray_tracer->intersect(rays, hits, true);
+    for (std::size_t i = begin; i < end; ++i) {
+        const Hit& hit = hits[i - begin];
+        if (hit.triangle == kNoHit) continue;
+        view.hit[i] = 1;
+        view.surfaces[i] = make_surface(scene, hit, rays[i - begin].direction);
+        view.view_positions[i] = camera.to_view(view.surfaces[i].position - camera.origin());
+    }
+}
+
+}  // namespace
+
+CameraView trace_camera_view(const Scene::Impl& scene, const RenderSettings& settings,
+                             const CameraRays& camera, std::uint64_t key) {
+    CameraView view;
+    view.width = settings.width;
+    view.height = settings.height;
+    const std::size_t pixels = std::size_t{view.width} * view.height;
+    view.hit.resize(pixels);
+    view.surfaces.resize(pixels);
+    view.view_positions.resize(pixels);
+    constexpr std::size_t kBlock = 4096;
+    for_each_block(pixels, kBlock, [&](std::size_t begin, std::size_t end) {
+        trace_block(scene, camera, key, begin, end, view);
+    });
+    return view;
+}
+
+}  // namespace lightcull

@@ -1,0 +1,30 @@
+#pragma once
+
+#include "render/camera.h"
+#include "render/scene_impl.h"
+#include "render/surface.h"
+
+#include <lightcull/render/renderer.h>
+
+#include <cstdint>
+#include <vector>
+
+namespace lightcull {
+
+/// What one camera ray per pixel meets, row by row.
+struct CameraView {
+    std::uint32_t width = 0, height = 0;
+    std::vector<std::uint8_t> hit;  ///< 1 where there is a surface
+    std::vector<Surface> surfaces;
+    std::vector<V3f> view_positions;  ///< to the right, up and forward of the camera
+
+    std::size_t index(std::uint32_t x, std::uint32_t y) const noexcept {
+        return std::size_t{y} * width + x;
+    }
+};
+
+/// The rays of the path tracer's pass with the key `key`. Runs in the caller's TBB arena.
+CameraView trace_camera_view(const Scene::Impl& scene, const RenderSettings& settings,
+                             const CameraRays& camera, std::uint64_t key);
+
+}  // namespace lightcull

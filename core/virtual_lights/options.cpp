@@ -1,0 +1,101 @@
+#include "base/description.h"
+
+#include <lightcull/virtual_lights/virtual_light_renderer.h>
+
+#include <cmath>
+
+namespace lightcull {
+namespace {
+
+/// A value's name, and what it stands for.
+template <typename Value>
+struct Named {
+    std::string_view name;
+    Value value;
+};
+
+template <typename Value, std::size_t kCount>
+void take_named(Description& description, std::string_view key,
+                const Named<Value> (&choices)[kCount], Value& value) {
+    const auto text = description.take(key);
+    if (!text) return;
+    std::string known;
+    for (const Named<Value>& choice : choices) {
+        if (choice.name == *text) {
+            value = choice.value;
+            return;
+        }
+        known += (known.empty() ? "" : ", ") + std::string(choice.name);
+    }
+    description.fail(std::string(key) + " is '" + std::string(*text) + "'; there are " + known);
+}
+
+void take_range(Description& description, RangeOptions& range) {
+    if (const auto value = description.take("error_bound"); value && *value != "auto") {
+        range.error_bound = description.parse<float>("error_bound", *value);
+    }
+    description.take_number("accepted", range.expected_accepted);
+    description.take_number("exposure", range.exposure);
+}
+
+void check(const Description& description, const VirtualLightOptions& options) {
+    constexpr std::uint32_t kMostPaths = 1u << 26;
+    if (options.light_paths < 1 || options.light_paths > kMostPaths) {
+        description.fail("lights is not in [1, 67108864]");
+    }
+    const auto edge = std::lround(std::sqrt(static_cast<double>(options.light_paths)));
+    if (options.source == VirtualLightSource::kShadowMap && edge * edge != options.light_paths) {
+        description.fail("lights: a shadow map has a square number of texels");
+    }
+    const std::uint32_t n = options.interleave;
+    if (n != 1 && n != 2 && n != 4 && n != 8) {
+        description.fail("interleave is not 1, 2, 4 or 8");
+    }
+}
+
+}  // namespace
+
+VirtualLightOptions parse_virtual_light_method(std::string_view text) {
+    using Method = VirtualLightMethod;
+    constexpr Named<Method> kMethods[] = {{"vpl_all", Method::kAll},
+                                          {"vpl_culled", Method::kCulled},
+                                          {"vpl_clamped", Method::kClamped}};
+    constexpr Named<VirtualLightSource> kSources[] = {
+        {"paths", VirtualLightSource::kPaths}, {"shadow_map", VirtualLightSource::kShadowMap}};
+    constexpr Named<VirtualShadows> kShadows[] = {{"rays", VirtualShadows::kRays},
+                                                  {"none", VirtualShadows::kNone}};
+    constexpr Named<BoundingVolume> kVolumes[] = {
+        {"spheroid", BoundingVolume::kSpheroid},
+        {"sphere_around", BoundingVolume::kSphereAround},
+        {"sphere_at_light", BoundingVolume::kSphereAtLight}};
+
+    Description description("method", text);
+    VirtualLightOptions options;
+    bool known = false;
+    for (const auto& method : kMethods) {
+        if (method.name != description.name) continue;
+        options.method = method.value;
+        known = true;
+    }
+    if (!known) description.fail("unknown; there are path, vpl_all, vpl_culled, vpl_clamped");
+    if (options.method == Method::kAll) {
+        options.light_paths = 1024;
+        options.interleave = 1;
+        options.filter = false;
+    } else {
+        take_range(description, options.range);
+    }
+    description.take_number("lights", options.light_paths);
+    description.take_number("interleave", options.interleave);
+    description.take_choice("filter", "on", "off", options.filter);
+    take_named(description, "source", kSources, options.source);
+    take_named(description, "shadows", kShadows, options.shadows);
+    if (options.method == Method::kCulled) {
+        take_named(description, "volume", kVolumes, options.volume);
+    }
+    description.check_all_taken();
+    check(description, options);
+    return options;
+}
+
+}  // namespace lightcull

@@ -1,0 +1,51 @@
+#pragma once
+
+#include "render/camera.h"
+#include "render/ray_tracer.h"
+#include "virtual_lights/acceptance.h"
+#include "virtual_lights/camera_view.h"
+#include "virtual_lights/virtual_light.h"
+
+#include <lightcull/span.h>
+#include <lightcull/virtual_lights/virtual_light_renderer.h>
+
+#include <atomic>
+#include <cstdint>
+#include <vector>
+
+namespace lightcull {
+
+/// What all methods need to know of a pass.
+struct LightingPass {
+    const RayTracer& tracer;
+    const CameraRays& camera;
+    const CameraView& view;
+    const VirtualLightOptions& options;
+    std::uint64_t key;                ///< of its random numbers
+    const std::atomic<bool>* cancel;  ///< may be null
+
+    bool cancelled() const noexcept {
+        return cancel != nullptr && cancel->load(std::memory_order_relaxed);
+    }
+};
+
+struct LightingCounts {
+    std::uint64_t listed = 0, accepted = 0, shadow_rays = 0;
+
+    LightingCounts& operator+=(const LightingCounts& other) noexcept {
+        listed += other.listed;
+        accepted += other.accepted;
+        shadow_rays += other.shadow_rays;
+        return *this;
+    }
+};
+
+/// The square of the distance within which light falls off no more, as VirtualLightRenderer says.
+float nearest_distance2(const std::vector<VirtualLight>& lights) noexcept;
+
+/// Adds to each pixel the light of virtual lights that its surface sends to the camera: stochastic
+/// tiled lighting, Alg. 1 of [TH16], within interleaved sampling. Runs in the caller's TBB arena.
+LightingCounts add_tiled_lighting(const LightingPass& pass, const std::vector<VirtualLight>& lights,
+                                  const Acceptance& acceptance, Span<V3f> pixels);
+
+}  // namespace lightcull

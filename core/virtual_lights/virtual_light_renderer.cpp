@@ -1,0 +1,208 @@
+#include <lightcull/virtual_lights/virtual_light_renderer.h>
+
+#include "base/random.h"
+#include "render/camera.h"
+#include "render/film.h"
+#include "render/scene_impl.h"
+#include "virtual_lights/calibration.h"
+#include "virtual_lights/camera_view.h"
+#include "virtual_lights/cross_bilateral.h"
+#include "virtual_lights/light_paths.h"
+#include "virtual_lights/tiled_lighting.h"
+
+#include <lightcull/error.h>
+
+#include <tbb/info.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <utility>
+
+namespace lightcull {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+    return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+int thread_count(std::uint32_t wanted) {
+    const int available = tbb::info::default_concurrency();
+    return wanted == 0 ? available : std::min(static_cast<int>(wanted), available);
+}
+
+void check_depth(const RenderSettings& settings) {
+    if (settings.max_depth < 3 || settings.max_depth > 5) {
+        throw Error("virtual lights: max_depth is " + std::to_string(settings.max_depth) +
+                    ", wanted 3 to 5: one to three bounces");
+    }
+}
+
+void check_materials(const Scene::Impl& scene) {
+    for (std::size_t i = 0; i < scene.materials.size(); ++i) {
+        const Material& m = scene.materials[i];
+        if (m.kind == MaterialKind::kMetallicRoughness && m.roughness == 0.0f) {
+            throw Error("virtual lights: material " + std::to_string(i) +
+                        " has roughness 0: a perfect mirror sends light to single points, which "
+                        "virtual lights cannot");
+        }
+    }
+}
+
+VirtualLightStats& operator+=(VirtualLightStats& sum, const VirtualLightStats& pass) noexcept {
+    sum.lights += pass.lights;
+    sum.generation_seconds += pass.generation_seconds;
+    sum.lighting_seconds += pass.lighting_seconds;
+    sum.filter_seconds += pass.filter_seconds;
+    sum.pixels += pass.pixels;
+    sum.listed += pass.listed;
+    sum.accepted += pass.accepted;
+    sum.shadow_rays += pass.shadow_rays;
+    return sum;
+}
+
+RenderSettings direct_only(RenderSettings settings) {
+    settings.max_depth = 2;
+    return settings;
+}
+
+}  // namespace
+
+struct VirtualLightRenderer::Impl {
+    std::shared_ptr<const Scene> shared_scene;
+    RenderSettings settings;
+    VirtualLightOptions options;
+    Renderer direct;
+    CameraRays camera;
+    tbb::task_arena arena;
+    EmissionTable emission;
+    std::optional<RandomRanges> ranges;  ///< since the first pass
+    Film bounced;
+    double seconds = 0.0;    ///< of bounced light
+    std::uint64_t rays = 0;  ///< camera and shadow rays of bounced light
+    VirtualLightStats stats;
+
+    Impl(std::shared_ptr<const Scene> s, const RenderSettings& r, const VirtualLightOptions& o,
+         std::unique_ptr<LightSampler> sampler)
+        : shared_scene(std::move(s)),
+          settings(r),
+          options(o),
+          direct(shared_scene, direct_only(r), std::move(sampler)),
+          camera(shared_scene->camera(), r.width, r.height),
+          arena(thread_count(r.threads)),
+          emission(shared_scene->impl()),
+          bounced(std::size_t{r.width} * r.height) {}
+
+    const Scene::Impl& scene() const noexcept { return shared_scene->impl(); }
+    std::vector<VirtualLight> generate(std::uint64_t key, VirtualLightStats& cost) const;
+    void begin_ranges(const std::vector<VirtualLight>& lights, std::uint64_t pass);
+    std::vector<V3f> bounced_light(const std::atomic<bool>* cancel, VirtualLightStats& cost);
+};
+
+std::vector<VirtualLight> VirtualLightRenderer::Impl::generate(std::uint64_t key,
+                                                               VirtualLightStats& cost) const {
+    const Clock::time_point start = Clock::now();
+    const auto edge = static_cast<std::uint32_t>(
+        std::lround(std::sqrt(static_cast<double>(options.light_paths))));
+    const std::vector<LightRay> starts = options.source == VirtualLightSource::kShadowMap
+                                             ? shadow_map_rays(scene(), edge, key)
+                                             : emit(emission, options.light_paths, key);
+    std::vector<VirtualLight> lights = virtual_lights(scene(), starts, settings.max_depth - 2, key);
+    cost.lights = lights.size();
+    cost.generation_seconds = seconds_since(start);
+    return lights;
+}
+
+/// The reach stays what the first pass's lights give: were it to follow those of each pass, the
+/// error would depend on them.
+void VirtualLightRenderer::Impl::begin_ranges(const std::vector<VirtualLight>& lights,
+                                              std::uint64_t pass) {
+    if (!ranges) {
+        const bool constant = options.method == VirtualLightMethod::kClamped;
+        const float reach = options.method == VirtualLightMethod::kAll
+                                ? 1.0f
+                                : calibrate_reach(lights, options, *shared_scene, settings);
+        ranges.emplace(reach, 1, constant ? RangeLaw::kConstant : RangeLaw::kRandom);
+    }
+    ranges->begin_pass(mix(settings.seed) + pass);
+}
+
+std::vector<V3f> VirtualLightRenderer::Impl::bounced_light(const std::atomic<bool>* cancel,
+                                                           VirtualLightStats& cost) {
+    const std::uint64_t pass = direct.stats().passes;
+    const std::uint64_t view_key = hash(settings.seed, pass);
+    const CameraView view = trace_camera_view(scene(), settings, camera, view_key);
+    cost.pixels = static_cast<std::uint64_t>(std::count(view.hit.begin(), view.hit.end(), 1));
+    const std::uint64_t key = hash(view_key, 0x6c6967687473);
+    const std::vector<VirtualLight> lights = generate(key, cost);
+
+    std::vector<V3f> pixels(view.hit.size(), V3f(0.0f));
+    if (lights.empty()) return pixels;
+    Clock::time_point start = Clock::now();
+    begin_ranges(lights, pass);
+    const LightingPass lighting{*scene().ray_tracer, camera, view, options, key, cancel};
+    const LightingCounts counts =
+        add_tiled_lighting(lighting, lights, Acceptance(options.method, *ranges), pixels);
+    cost.listed = counts.listed;
+    cost.accepted = counts.accepted;
+    cost.shadow_rays = counts.shadow_rays;
+    cost.lighting_seconds = seconds_since(start);
+
+    start = Clock::now();
+    if (options.filter && !lighting.cancelled()) filter_cross_bilateral(view, pixels);
+    cost.filter_seconds = seconds_since(start);
+    return pixels;
+}
+
+VirtualLightRenderer::VirtualLightRenderer(std::shared_ptr<const Scene> scene,
+                                           const RenderSettings& settings,
+                                           const VirtualLightOptions& options,
+                                           std::unique_ptr<LightSampler> sampler) {
+    if (scene == nullptr) throw Error("renderer: there is no scene");
+    check_depth(settings);
+    check_materials(scene->impl());
+    impl_ = std::make_unique<Impl>(std::move(scene), settings, options, std::move(sampler));
+}
+
+VirtualLightRenderer::~VirtualLightRenderer() = default;
+
+bool VirtualLightRenderer::render_pass(const std::atomic<bool>* cancel) {
+    const Clock::time_point start = Clock::now();
+    VirtualLightStats cost;
+    std::vector<V3f> pixels;
+    impl_->arena.execute([&] { pixels = impl_->bounced_light(cancel, cost); });
+    const double seconds = seconds_since(start);
+    if (!impl_->direct.render_pass(cancel)) return false;
+    impl_->bounced.add(pixels);
+    impl_->seconds += seconds;
+    impl_->rays += std::uint64_t{impl_->settings.width} * impl_->settings.height + cost.shadow_rays;
+    impl_->stats += cost;
+    return true;
+}
+
+std::vector<float3> VirtualLightRenderer::image() const {
+    std::vector<float3> sum = impl_->direct.image();
+    const std::vector<float3> bounced = impl_->bounced.mean();
+    for (std::size_t i = 0; i < sum.size(); ++i) {
+        sum[i] = to_float3(to_v3f(sum[i]) + to_v3f(bounced[i]));
+    }
+    return sum;
+}
+
+RenderStats VirtualLightRenderer::stats() const {
+    RenderStats stats = impl_->direct.stats();
+    stats.seconds += impl_->seconds;
+    stats.rays += impl_->rays;
+    return stats;
+}
+
+const VirtualLightStats& VirtualLightRenderer::virtual_light_stats() const noexcept {
+    return impl_->stats;
+}
+
+}  // namespace lightcull

@@ -1,0 +1,99 @@
+"""Rendering by virtual lights, from Python and from the command line."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import lightcull
+from conftest import Outcome, make_room
+
+SIZE = (32, 24)
+FEW = ":lights=2000:filter=off"
+
+
+@pytest.mark.parametrize("method", [f"vpl_all{FEW}:shadows=none", f"vpl_culled{FEW}"])
+def test_virtual_lights_add_what_bounces(method: str) -> None:
+    def image(method: str, max_depth: int, spp: int) -> np.ndarray:
+        return lightcull.render(
+            lightcull.example_scene("cornell"), "uniform", method=method, max_depth=max_depth,
+            spp=spp, size=SIZE,
+        ).image.astype(np.float64)  # fmt: skip
+
+    direct = image("path", 2, 100)
+    traced, found = (image(m, 3, n) - direct for m, n in (("path", 600), (method, 100)))
+    # Shadows of virtual lights change little in an empty box; without them there is more light.
+    assert traced.mean() < found.mean() * 1.03 < 1.35 * traced.mean()
+
+
+def test_a_seed_gives_an_image_whatever_the_threads() -> None:
+    def image(**options: int) -> np.ndarray:
+        return lightcull.render(
+            make_room(), method="vpl_culled:lights=1000", max_depth=4, spp=2, size=SIZE, **options
+        ).image
+
+    first = image(seed=3, threads=1)
+    assert np.array_equal(first, image(seed=3, threads=2))
+    assert not np.array_equal(first, image(seed=4))
+
+
+def test_the_method_is_in_what_is_written(
+    main_here: Callable[..., Outcome], tmp_path: Path
+) -> None:
+    method = "vpl_culled:lights=500"
+    options = ("--spp", "2", "--size", "16x12", "-o", "a.exr")
+    outcome = main_here("render", "cornell", "--method", method, *options)
+    assert outcome.returncode == 0, outcome.stderr
+    assert f"bounces by {method}" in outcome.stdout
+    assert method.encode() in (tmp_path / "a.exr").read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("method", "says"),
+    [
+        ("vpl", "unknown; there are path, vpl_all, vpl_culled, vpl_clamped"),
+        ("vpl_culled:lights=0", "lights is not in"),
+        ("vpl_culled:shadows=soft", "shadows is 'soft'; there are rays, none"),
+        ("vpl_all:accepted=3", "no option 'accepted' for vpl_all"),
+        ("path:lights=3", "unknown"),
+    ],
+)
+def test_a_method_that_is_none_is_refused(
+    main_here: Callable[..., Outcome], method: str, says: str
+) -> None:
+    outcome = main_here("render", "cornell", "--method", method)
+    assert outcome.returncode == 2
+    assert says in outcome.stderr
+    with pytest.raises(lightcull.Error, match=says):
+        lightcull.render(make_room(), method=method, max_depth=3, spp=1)
+
+
+def test_what_cannot_be_is_refused(tmp_path: Path) -> None:
+    def render(scene: lightcull.Scene, **options: object) -> None:
+        lightcull.render(scene, method="vpl_culled", spp=1, size=SIZE, **options)  # type: ignore
+
+    with pytest.raises(lightcull.Error, match="max_depth is 2: virtual lights give what bounces"):
+        render(make_room())
+    with pytest.raises(lightcull.Error, match="max_depth is 6, wanted 3 to 5"):
+        render(make_room(), max_depth=6)
+    with pytest.raises(lightcull.Error, match="checkpoint and resume: not for vpl_culled"):
+        render(make_room(), max_depth=3, checkpoint=tmp_path / "c")
+    mirror = make_room()
+    mirror.add_material(kind="metallic_roughness", metallic=1.0, roughness=0.0)
+    with pytest.raises(lightcull.Error, match="has roughness 0: a perfect mirror"):
+        render(mirror, max_depth=3)
+    with pytest.raises(lightcull.Error, match="only spots can have one"):
+        lightcull.render(
+            make_room(), method="vpl_culled:source=shadow_map:lights=400", max_depth=3, spp=1,
+            size=SIZE,
+        )  # fmt: skip
+
+
+def test_a_scene_without_light_is_black() -> None:
+    scene = lightcull.Scene("dark")
+    with pytest.warns(UserWarning, match="the image is black"):
+        result = lightcull.render(scene, method="vpl_culled", max_depth=3, spp=1, size=SIZE)
+    assert not result.image.any()

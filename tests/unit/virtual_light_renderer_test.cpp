@@ -1,0 +1,279 @@
+#include "base/random.h"
+#include "lights/ranges.h"
+#include "render_support.h"
+#include "virtual_lights/light_paths.h"
+#include "virtual_lights/tiled_lighting.h"
+
+#include <lightcull/error.h>
+#include <lightcull/virtual_lights/virtual_light_renderer.h>
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <memory>
+#include <string>
+#include <vector>
+
+using namespace render_support;
+using statistics::Accumulator;
+using statistics::Estimate;
+
+namespace {
+
+/// Two walls and a floor, a lamp that faces the floor, and things of two materials on it.
+std::shared_ptr<Scene> corner(float glossy_roughness) {
+    auto scene = std::make_shared<Scene>();
+    scene->add_material(diffuse(0.6f));
+    Material gloss = metal(glossy_roughness, 0.8f);
+    gloss.metallic = 0.5f;
+    scene->add_material(gloss);
+    Shape room, ball, lamp;
+    room.add_level_square({0, 0, 0}, 2.0f, true);
+    room.add_quad({-2, 0, 2}, {-2, 0, -2}, {-2, 3, -2}, {-2, 3, 2});
+    room.add_quad({-2, 0, -2}, {2, 0, -2}, {2, 3, -2}, {-2, 3, -2});
+    ball.add_sphere({0.3f, 0.7f, 0}, 0.5f, 8);
+    lamp.add_level_square({0.5f, 2.5f, 0.5f}, 0.3f, false);
+    scene->add_mesh(room.mesh("room", 0));
+    scene->add_mesh(ball.mesh("ball", 1));
+    scene->add_mesh(lamp.mesh("lamp", 0, emission(20.0f)));
+    scene->set_camera(look({4, 2.5f, 5}, {0, 0.8f, 0}, 0.7f));
+    scene->commit();
+    return scene;
+}
+
+/// Sums of tiled lighting for the same camera points and virtual lights in every pass.
+class Passes {
+  public:
+    Passes(const Scene& scene, const std::string& method, std::uint32_t edge = 48)
+        : options_(parse_virtual_light_method(method)),
+          settings_(square_image(edge, 3)),
+          camera_(scene.camera(), edge, edge),
+          view_(trace_camera_view(scene.impl(), settings_, camera_, 1)),
+          lights_(virtual_lights(scene.impl(),
+                                 emit(EmissionTable(scene.impl()), options_.light_paths, 1), 2, 1)),
+          tracer_(*scene.impl().ray_tracer) {
+        for (const auto h : view_.hit) seen_ += h;
+    }
+
+    /// reach: that of random ranges; of constant ones such that the error bound is the same.
+    std::vector<V3f> pass(std::uint64_t number, float reach = 1.0f) {
+        const bool constant = options_.method == VirtualLightMethod::kClamped;
+        const auto count = static_cast<float>(lights_.size());
+        RandomRanges ranges(constant ? 2.0f * count * reach : reach, 1,
+                            constant ? RangeLaw::kConstant : RangeLaw::kRandom);
+        ranges.begin_pass(number);
+        std::vector<V3f> pixels(view_.hit.size(), V3f(0.0f));
+        counts = add_tiled_lighting({tracer_, camera_, view_, options_, hash(number, 5), nullptr},
+                                    lights_, Acceptance(options_.method, ranges), pixels);
+        return pixels;
+    }
+
+    /// Of the blocks of an image, over passes.
+    std::vector<Estimate> blocks(std::uint32_t passes, float reach) {
+        constexpr std::uint32_t kBlock = 12;
+        const std::uint32_t columns = view_.width / kBlock;
+        std::vector<Accumulator> accumulators(columns * columns);
+        for (std::uint32_t p = 0; p < passes; ++p) {
+            std::vector<double> sums(accumulators.size(), 0.0);
+            const std::vector<V3f> pixels = pass(p, reach);
+            for (std::uint32_t i = 0; i < pixels.size(); ++i) {
+                sums[i / view_.width / kBlock * columns + i % view_.width / kBlock] +=
+                    static_cast<double>(lightcull::luminance(pixels[i]));
+            }
+            for (std::size_t b = 0; b < sums.size(); ++b) accumulators[b].add(sums[b]);
+        }
+        std::vector<Estimate> estimates;
+        for (const auto& a : accumulators) estimates.push_back(a.estimate());
+        return estimates;
+    }
+
+    const std::vector<VirtualLight>& lights() const { return lights_; }
+    const CameraView& view() const { return view_; }
+    std::size_t seen() const { return seen_; }
+
+    LightingCounts counts;
+
+  private:
+    VirtualLightOptions options_;
+    RenderSettings settings_;
+    CameraRays camera_;
+    CameraView view_;
+    std::vector<VirtualLight> lights_;
+    const RayTracer& tracer_;
+    std::size_t seen_ = 0;
+};
+
+std::unique_ptr<VirtualLightRenderer> renderer(const std::shared_ptr<const Scene>& scene,
+                                               const std::string& method,
+                                               const RenderSettings& settings) {
+    return std::make_unique<VirtualLightRenderer>(scene, settings,
+                                                  parse_virtual_light_method(method),
+                                                  make_scene_sampler("power", *scene, settings));
+}
+
+bool same(const std::vector<float3>& a, const std::vector<float3>& b) {
+    return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                      [](float3 x, float3 y) { return x.x == y.x && x.y == y.y && x.z == y.z; });
+}
+
+}  // namespace
+
+TEST_CASE("vpl_culled equals vpl_all in the mean, vpl_clamped does not") {
+    const auto scene = corner(0.5f);
+    for (const std::string shadows : {":shadows=none", ":shadows=rays"}) {
+        const std::string lights = ":lights=1000:filter=off" + shadows;
+        const std::vector<Estimate> all = Passes(*scene, "vpl_all" + lights).blocks(2, 1.0f);
+        for (const std::string interleave : {":interleave=1", ":interleave=4", ":interleave=8"}) {
+            CAPTURE(interleave);
+            Passes culled(*scene, "vpl_culled" + lights + interleave);
+            const auto means = culled.blocks(200, 60.0f);
+            CHECK(culled.counts.accepted * 10 < culled.seen() * culled.lights().size());
+            CHECK(statistics::worst_p(means, all) > statistics::least_p());
+        }
+        // With more lights than vpl_culled accepts, and still too dark.
+        Passes culled(*scene, "vpl_culled:interleave=8" + lights);
+        Passes clamped(*scene, "vpl_clamped:interleave=8" + lights);
+        culled.pass(0, 60.0f);
+        const auto means = clamped.blocks(200, 0.5f);
+        CHECK(clamped.counts.accepted > culled.counts.accepted);
+        CHECK(statistics::worst_p(means, all) < statistics::least_p());
+    }
+}
+
+TEST_CASE("the volumes that cull change the cost, not the image") {
+    const auto scene = corner(0.2f);
+    std::vector<std::vector<V3f>> images;
+    std::vector<std::uint64_t> listed;
+    for (const char* volume : {"spheroid", "sphere_around", "sphere_at_light"}) {
+        Passes passes(
+            *scene,
+            std::string("vpl_culled:lights=2000:interleave=1:shadows=none:volume=") + volume);
+        images.push_back(passes.pass(3, 10.0f));
+        listed.push_back(passes.counts.listed);
+        CHECK(passes.counts.accepted > passes.seen());
+    }
+    CHECK(images[0] == images[1]);
+    CHECK(images[0] == images[2]);
+    CHECK(listed[0] < listed[1]);
+    CHECK(listed[1] < listed[2]);
+}
+
+TEST_CASE("random numbers shared by all pixels leave a pixel the variance of its own ones") {
+    const auto scene = corner(0.5f);
+    constexpr float kReach = 30.0f;
+    constexpr std::uint32_t kPasses = 3000;
+    Passes passes(*scene, "vpl_culled:lights=300:interleave=1:shadows=none", 16);
+    Passes every(*scene, "vpl_all:lights=300:interleave=1:shadows=none", 16);
+    const std::vector<V3f> all = every.pass(0);
+
+    // The variance of roulette with a number per pixel and light, in closed form.
+    std::vector<double> exact(all.size(), 0.0);
+    const float nearest2 = nearest_distance2(passes.lights());
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        if (passes.view().hit[i] == 0) continue;
+        const Surface& surface = passes.view().surfaces[i];
+        for (const VirtualLight& light : passes.lights()) {
+            const V3f way = light.position - surface.position;
+            const float distance2 = way.dot(way);
+            const V3f direction = lightcull::unit(way);
+            const V3f sent = intensity(light, -direction);
+            if (surface.normal.dot(direction) <= 0.0f || !(sent.x > 0.0f)) continue;
+            const double value = static_cast<double>(lightcull::luminance(
+                sent * surface.bsdf.evaluate(direction).value / std::fmax(distance2, nearest2)));
+            const double p = std::fmin(
+                1.0, static_cast<double>(kReach * lightcull::luminance(sent) / distance2));
+            exact[i] += value * value * (1.0 / p - 1.0);
+        }
+    }
+    std::vector<double> squares(all.size(), 0.0);
+    for (std::uint32_t p = 0; p < kPasses; ++p) {
+        const std::vector<V3f> pixels = passes.pass(p, kReach);
+        for (std::size_t i = 0; i < all.size(); ++i) {
+            const double off = static_cast<double>(lightcull::luminance(pixels[i] - all[i]));
+            squares[i] += off * off / kPasses;
+        }
+    }
+    double ratio = 0.0, pixels = 0.0;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        if (!(exact[i] > 0.0)) continue;
+        ratio += squares[i] / exact[i];
+        pixels += 1.0;
+    }
+    CHECK(pixels > 100.0);
+    CHECK(ratio / pixels == doctest::Approx(1.0).epsilon(0.03));
+}
+
+TEST_CASE("virtual lights agree with the path tracer") {
+    // Bounces between large diffuse surfaces, where nothing is near a virtual light for long.
+    const auto scene = corner(1.0f);
+    RenderSettings settings = square_image(32, 4);
+    const Estimate traced = render_mean(scene, settings, "power", 600);
+    const auto vpl =
+        renderer(scene, "vpl_culled:lights=4096:accepted=64:interleave=4:filter=off", settings);
+    Accumulator passes;
+    double before = 0.0;
+    for (int p = 1; p <= 60; ++p) {
+        vpl->render_pass();
+        double sum = 0.0;
+        for (const float3 c : vpl->image()) sum += render_support::luminance(c) * p;
+        passes.add((sum - before) / 1024.0);
+        before = sum;
+    }
+    CAPTURE(traced.mean);
+    CAPTURE(passes.estimate().mean);
+    // Light within the least distance of a virtual light is missing: a per cent or two.
+    CHECK(passes.estimate().mean == doctest::Approx(traced.mean).epsilon(0.02));
+}
+
+TEST_CASE("virtual lights: the same bits for any number of threads, and none after a cancel") {
+    const auto scene = corner(0.5f);
+    RenderSettings settings = square_image(40, 3);
+    std::vector<std::vector<float3>> images;
+    for (const std::uint32_t threads : {1u, 2u}) {
+        settings.threads = threads;
+        const auto r = renderer(scene, "vpl_culled:lights=2000", settings);
+        CHECK(r->render_pass());
+        CHECK(r->render_pass());
+        images.push_back(r->image());
+        std::atomic<bool> cancel{true};
+        CHECK(!r->render_pass(&cancel));
+        CHECK(same(r->image(), images.back()));
+        CHECK(r->stats().passes == 2);
+    }
+    CHECK(same(images[0], images[1]));
+}
+
+TEST_CASE("virtual lights: bad input is refused, nothing to do is done") {
+    const auto scene = corner(0.5f);
+    CHECK_THROWS_AS(renderer(scene, "vpl_culled", square_image(8, 2)), Error);
+    CHECK_THROWS_AS(renderer(scene, "vpl_culled", square_image(8, 6)), Error);
+    CHECK_THROWS_WITH_AS(renderer(corner(0.0f), "vpl_culled", square_image(8, 3)),
+                         "virtual lights: material 1 has roughness 0: a perfect mirror sends light "
+                         "to single points, which virtual lights cannot",
+                         Error);
+    for (const char* method :
+         {"vpl", "vpl_all:accepted=3", "vpl_culled:lights=0", "vpl_culled:interleave=3",
+          "vpl_culled:shadows=soft", "vpl_clamped:volume=spheroid", "vpl_culled:lights=x",
+          "vpl_culled:source=shadow_map:lights=1000", "vpl_culled:error_bound=no"}) {
+        CAPTURE(method);
+        CHECK_THROWS_AS(parse_virtual_light_method(method), Error);
+    }
+    CHECK_THROWS_AS(renderer(scene, "vpl_culled:error_bound=-1", square_image(8, 3))->render_pass(),
+                    Error);
+
+    auto empty = std::make_shared<Scene>();
+    empty->commit();
+    auto faint = std::make_shared<Scene>();
+    faint->add_material(diffuse(0.5f));
+    Shape wall;
+    wall.add_level_square({0, -1, 0}, 1.0f, true);
+    faint->add_mesh(wall.mesh("wall", 0));
+    faint->add_point_light({0, 0, 0}, {0, 0, 0});
+    faint->commit();
+    for (const auto& dark : {empty, faint}) {
+        const auto r = renderer(dark, "vpl_culled", square_image(8, 3));
+        CHECK(r->render_pass());
+        CHECK(render_support::luminance(r->image()[0]) == 0.0);
+    }
+}
