@@ -244,8 +244,8 @@ def render(
 
     scene: ours, or a `lightcull.mitsuba.MitsubaScene`. sampler: a description as in `LightSampler`.
     size: width and height, pixels. max_depth: longest path, in edges: 1 sees emitters only, 2
-    direct light. method: how light that bounces is found: "path" by paths; "vpl_all", "vpl_culled"
-    and "vpl_clamped" by virtual lights where light paths meet surfaces, which wants a max_depth of 3
+    direct light. method: how light that bounces is found: "path" by paths; "vpl_all", "vpl_culled",
+    "vpl_clamped" and "vpl_grid" by virtual lights where light paths meet surfaces, which wants a max_depth of 3
     to 5 (`lightcull render --help` has their options); the sampler is then for direct light. threads: 0 for all; the image does not depend on it. progress: called between
     passes; what it raises ends the render.
 

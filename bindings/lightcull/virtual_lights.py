@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 PATH = "path"
 """The method that is the path tracer."""
-METHODS = (PATH, "vpl_all", "vpl_culled", "vpl_clamped")
+METHODS = (PATH, "vpl_all", "vpl_culled", "vpl_clamped", "vpl_grid")
 """Names of the methods. `vpl_clamped` is biased."""
 
 
@@ -34,13 +34,15 @@ class LightCounts:
     lights: float
     """Virtual lights of a pass."""
     listed: float
-    """Lights in the list of a pixel's tile."""
+    """Lights in the list of a pixel's tile, or that the traversal of vpl_grid found."""
     accepted: float
-    """Of them, those in whose range the pixel is."""
+    """Of them, those in whose range the pixel is; of vpl_grid those that give it something."""
     shadow_rays: float
     """Per pixel."""
     generation_seconds: float
     """Per pass, as the following."""
+    build_seconds: float
+    """Of vpl_grid: its hierarchy."""
     lighting_seconds: float
     """Ranges, culling, shading and shadows."""
     filter_seconds: float
@@ -90,6 +92,7 @@ class VirtualLightJob:
             accepted=stats.accepted / pixels,
             shadow_rays=stats.shadow_rays / pixels,
             generation_seconds=stats.generation_seconds / passes,
+            build_seconds=stats.build_seconds / passes,
             lighting_seconds=stats.lighting_seconds / passes,
             filter_seconds=stats.filter_seconds / passes,
         )

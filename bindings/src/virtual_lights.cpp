@@ -92,6 +92,7 @@ void bind_virtual_lights(py::module_& module) {
     py::class_<VirtualLightStats>(module, "VirtualLightStats")
         .def_readonly("lights", &VirtualLightStats::lights)
         .def_readonly("generation_seconds", &VirtualLightStats::generation_seconds)
+        .def_readonly("build_seconds", &VirtualLightStats::build_seconds)
         .def_readonly("lighting_seconds", &VirtualLightStats::lighting_seconds)
         .def_readonly("filter_seconds", &VirtualLightStats::filter_seconds)
         .def_readonly("pixels", &VirtualLightStats::pixels)

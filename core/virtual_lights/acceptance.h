@@ -43,6 +43,7 @@ class Acceptance {
                            ? ranges_.inverse_prob(intensity, distance)
                            : 0.0f;
             case VirtualLightMethod::kAll:
+            case VirtualLightMethod::kGrid:
                 break;
         }
         return 1.0f;

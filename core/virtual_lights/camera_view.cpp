@@ -13,7 +13,8 @@ void trace_block(const Scene::Impl& scene, const CameraRays& camera, std::uint64
     for (std::size_t i = begin; i < end; ++i) {
         // The path tracer's first edge.
         const PathRandom random(key, static_cast<std::uint32_t>(i), 0);
-        const V2f corner(static_cast<float>(i % view.width), static_cast<float>(i / view.width));
+        const std::size_t x = i % view.width, y = i / view.width;
+        const V2f corner(static_cast<float>(x), static_cast<float>(y));
         rays.push_back(
             camera.ray(corner + random.two(Dimension::kPixel), random.two(Dimension::kLens)));
     }

@@ -1,6 +1,7 @@
 #include "virtual_lights/cross_bilateral.h"
 
 #include "lights/parallel_blocks.h"
+#include "virtual_lights/likeness.h"
 
 #include <algorithm>
 #include <array>
@@ -10,8 +11,6 @@ namespace lightcull {
 namespace {
 
 constexpr int kRadius = 8;
-/// Of the plane of a pixel's surface, in distances from the camera.
-constexpr float kPlaneWidth = 0.01f;
 
 V3f reflectance(const Surface& surface) noexcept {
     constexpr float kLeast = 1e-3f;
@@ -26,14 +25,6 @@ std::array<float, kRadius + 1> falloff() noexcept {
         weights[static_cast<std::size_t>(i)] = std::exp(-0.5f * x * x);
     }
     return weights;
-}
-
-/// How much the surfaces of two pixels are one.
-float likeness(const Surface& a, const Surface& b, float depth) noexcept {
-    const float cosine = std::max(0.0f, a.bsdf.normal().dot(b.bsdf.normal()));
-    const float c4 = cosine * cosine * cosine * cosine;
-    const float off_plane = a.normal.dot(b.position - a.position) / (kPlaneWidth * depth);
-    return c4 * c4 * std::exp(-0.5f * off_plane * off_plane);
 }
 
 class Filter {

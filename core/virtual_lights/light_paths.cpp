@@ -105,7 +105,8 @@ std::vector<LightRay> shadow_map_rays(const Scene::Impl& scene, std::uint32_t ed
         }
         for (std::uint32_t texel = 0; texel < edge * edge; ++texel) {
             const PathRandom random(key, static_cast<std::uint32_t>(rays.size()), 0);
-            const V2f corner(static_cast<float>(texel % edge), static_cast<float>(texel / edge));
+            const std::uint32_t x = texel % edge, y = texel / edge;
+            const V2f corner(static_cast<float>(x), static_cast<float>(y));
             const V2f u = (corner + random.two(Dimension::kLightVertex)) / static_cast<float>(edge);
             rays.push_back(spot_ray(*spot, u));
             rays.back().flux /= static_cast<float>(edge) * static_cast<float>(edge);

@@ -38,6 +38,18 @@ void take_range(Description& description, RangeOptions& range) {
     description.take_number("exposure", range.exposure);
 }
 
+void take_grid(Description& description, VirtualLightOptions& options) {
+    constexpr Named<GridBuild> kBuilds[] = {{"gather", GridBuild::kGather},
+                                            {"scatter", GridBuild::kScatter}};
+    description.take_number("alpha", options.alpha);
+    description.take_number("samples", options.shadow_samples);
+    take_named(description, "build", kBuilds, options.grid_build);
+    if (!(options.alpha > 0.0f)) description.fail("alpha is not above 0");
+    if (options.shadow_samples < 1 || options.shadow_samples > 1024) {
+        description.fail("samples is not in [1, 1024]");
+    }
+}
+
 void check(const Description& description, const VirtualLightOptions& options) {
     constexpr std::uint32_t kMostPaths = 1u << 26;
     if (options.light_paths < 1 || options.light_paths > kMostPaths) {
@@ -59,7 +71,8 @@ VirtualLightOptions parse_virtual_light_method(std::string_view text) {
     using Method = VirtualLightMethod;
     constexpr Named<Method> kMethods[] = {{"vpl_all", Method::kAll},
                                           {"vpl_culled", Method::kCulled},
-                                          {"vpl_clamped", Method::kClamped}};
+                                          {"vpl_clamped", Method::kClamped},
+                                          {"vpl_grid", Method::kGrid}};
     constexpr Named<VirtualLightSource> kSources[] = {
         {"paths", VirtualLightSource::kPaths}, {"shadow_map", VirtualLightSource::kShadowMap}};
     constexpr Named<VirtualShadows> kShadows[] = {{"rays", VirtualShadows::kRays},
@@ -77,16 +90,22 @@ VirtualLightOptions parse_virtual_light_method(std::string_view text) {
         options.method = method.value;
         known = true;
     }
-    if (!known) description.fail("unknown; there are path, vpl_all, vpl_culled, vpl_clamped");
+    if (!known)
+        description.fail("unknown; there are path, vpl_all, vpl_culled, vpl_clamped, vpl_grid");
     if (options.method == Method::kAll) {
         options.light_paths = 1024;
         options.interleave = 1;
         options.filter = false;
-    } else {
+    }
+    if (options.method == Method::kCulled || options.method == Method::kClamped) {
         take_range(description, options.range);
     }
+    if (options.method == Method::kGrid) {
+        take_grid(description, options);
+    } else {
+        description.take_number("interleave", options.interleave);
+    }
     description.take_number("lights", options.light_paths);
-    description.take_number("interleave", options.interleave);
     description.take_choice("filter", "on", "off", options.filter);
     take_named(description, "source", kSources, options.source);
     take_named(description, "shadows", kShadows, options.shadows);

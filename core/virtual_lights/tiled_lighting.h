@@ -29,6 +29,7 @@ struct LightingPass {
     }
 };
 
+/// As VirtualLightStats.
 struct LightingCounts {
     std::uint64_t listed = 0, accepted = 0, shadow_rays = 0;
 

@@ -7,6 +7,7 @@
 #include "virtual_lights/calibration.h"
 #include "virtual_lights/camera_view.h"
 #include "virtual_lights/cross_bilateral.h"
+#include "virtual_lights/grid_lighting.h"
 #include "virtual_lights/light_paths.h"
 #include "virtual_lights/tiled_lighting.h"
 
@@ -57,6 +58,7 @@ void check_materials(const Scene::Impl& scene) {
 VirtualLightStats& operator+=(VirtualLightStats& sum, const VirtualLightStats& pass) noexcept {
     sum.lights += pass.lights;
     sum.generation_seconds += pass.generation_seconds;
+    sum.build_seconds += pass.build_seconds;
     sum.lighting_seconds += pass.lighting_seconds;
     sum.filter_seconds += pass.filter_seconds;
     sum.pixels += pass.pixels;
@@ -64,6 +66,12 @@ VirtualLightStats& operator+=(VirtualLightStats& sum, const VirtualLightStats& p
     sum.accepted += pass.accepted;
     sum.shadow_rays += pass.shadow_rays;
     return sum;
+}
+
+void note(const LightingCounts& counts, VirtualLightStats& cost) noexcept {
+    cost.listed = counts.listed;
+    cost.accepted = counts.accepted;
+    cost.shadow_rays = counts.shadow_rays;
 }
 
 RenderSettings direct_only(RenderSettings settings) {
@@ -102,6 +110,10 @@ struct VirtualLightRenderer::Impl {
     std::vector<VirtualLight> generate(std::uint64_t key, VirtualLightStats& cost) const;
     void begin_ranges(const std::vector<VirtualLight>& lights, std::uint64_t pass);
     std::vector<V3f> bounced_light(const std::atomic<bool>* cancel, VirtualLightStats& cost);
+    void add_by_tiles(const LightingPass& lighting, const std::vector<VirtualLight>& lights,
+                      std::vector<V3f>& pixels, VirtualLightStats& cost) const;
+    void add_by_grid(const LightingPass& lighting, const std::vector<VirtualLight>& lights,
+                     std::vector<V3f>& pixels, VirtualLightStats& cost) const;
 };
 
 std::vector<VirtualLight> VirtualLightRenderer::Impl::generate(std::uint64_t key,
@@ -143,20 +155,38 @@ std::vector<V3f> VirtualLightRenderer::Impl::bounced_light(const std::atomic<boo
 
     std::vector<V3f> pixels(view.hit.size(), V3f(0.0f));
     if (lights.empty()) return pixels;
-    Clock::time_point start = Clock::now();
-    begin_ranges(lights, pass);
     const LightingPass lighting{*scene().ray_tracer, camera, view, options, key, cancel};
-    const LightingCounts counts =
-        add_tiled_lighting(lighting, lights, Acceptance(options.method, *ranges), pixels);
-    cost.listed = counts.listed;
-    cost.accepted = counts.accepted;
-    cost.shadow_rays = counts.shadow_rays;
-    cost.lighting_seconds = seconds_since(start);
-
-    start = Clock::now();
-    if (options.filter && !lighting.cancelled()) filter_cross_bilateral(view, pixels);
-    cost.filter_seconds = seconds_since(start);
+    if (options.method == VirtualLightMethod::kGrid) {
+        add_by_grid(lighting, lights, pixels, cost);
+    } else {
+        begin_ranges(lights, pass);
+        add_by_tiles(lighting, lights, pixels, cost);
+    }
     return pixels;
+}
+
+void VirtualLightRenderer::Impl::add_by_tiles(const LightingPass& lighting,
+                                              const std::vector<VirtualLight>& lights,
+                                              std::vector<V3f>& pixels,
+                                              VirtualLightStats& cost) const {
+    Clock::time_point start = Clock::now();
+    note(add_tiled_lighting(lighting, lights, Acceptance(options.method, *ranges), pixels), cost);
+    cost.lighting_seconds = seconds_since(start);
+    start = Clock::now();
+    if (options.filter && !lighting.cancelled()) filter_cross_bilateral(lighting.view, pixels);
+    cost.filter_seconds = seconds_since(start);
+}
+
+void VirtualLightRenderer::Impl::add_by_grid(const LightingPass& lighting,
+                                             const std::vector<VirtualLight>& lights,
+                                             std::vector<V3f>& pixels,
+                                             VirtualLightStats& cost) const {
+    Clock::time_point start = Clock::now();
+    const GridHierarchy hierarchy(lights, options.alpha, options.grid_build);
+    cost.build_seconds = seconds_since(start);
+    start = Clock::now();
+    note(add_grid_lighting(lighting, lights, hierarchy, pixels), cost);
+    cost.lighting_seconds = seconds_since(start);
 }
 
 VirtualLightRenderer::VirtualLightRenderer(std::shared_ptr<const Scene> scene,

@@ -19,6 +19,7 @@ enum class VirtualLightMethod {
     kAll,      ///< every light at every pixel
     kCulled,   ///< stochastic tiled lighting ([TH16] section 4, [TH17])
     kClamped,  ///< tiled lighting with constant ranges ([TH16] appendix A): biased, for comparison
+    kGrid,     ///< lighting grid hierarchy ([LY19]): far lights are taken together
 };
 
 /// Where light paths start.
@@ -37,6 +38,12 @@ enum class BoundingVolume {
     kSphereAtLight,  ///< about the light, for its largest intensity ([TH16])
 };
 
+/// What the levels of a lighting grid hierarchy above the first are made from.
+enum class GridBuild {
+    kGather,   ///< the lights of level 1 ([LY19] section 3.1)
+    kScatter,  ///< the virtual lights again, for comparison
+};
+
 struct VirtualLightOptions {
     VirtualLightMethod method = VirtualLightMethod::kCulled;
     VirtualLightSource source = VirtualLightSource::kPaths;
@@ -50,27 +57,38 @@ struct VirtualLightOptions {
     std::uint32_t interleave = 8;
     VirtualShadows shadows = VirtualShadows::kRays;
     BoundingVolume volume = BoundingVolume::kSpheroid;
-    bool filter = true;  ///< a cross-bilateral filter over what virtual lights give
+    /// A cross-bilateral filter over what virtual lights give; of kGrid an a-trous one over
+    /// shadows.
+    bool filter = true;
+
+    // Of kGrid:
+    float alpha = 2.0f;                ///< r_l / h_l: how far each light is taken by itself
+    std::uint32_t shadow_samples = 4;  ///< shadow rays per pixel
+    GridBuild grid_build = GridBuild::kGather;
 };
 
 /// Options by their description: a name, then options, as in "vpl_culled",
 /// "vpl_culled:lights=65536:shadows=none", "vpl_clamped:error_bound=0.01". Names: vpl_all (1024
-/// lights, no interleaving and no filter unless told), vpl_culled, vpl_clamped. Options: lights;
-/// source (paths | shadow_map); shadows (rays | none); interleave; filter (on | off); error_bound
-/// (a number or auto), accepted, exposure (vpl_culled, vpl_clamped); volume (spheroid |
-/// sphere_around | sphere_at_light; vpl_culled). Throws Error for what is unknown or makes no
-/// sense.
+/// lights, no interleaving and no filter unless told), vpl_culled, vpl_clamped, vpl_grid. Options:
+/// lights; source (paths | shadow_map); shadows (rays | none); filter (on | off); interleave (not
+/// of vpl_grid); error_bound (a number or auto), accepted, exposure (vpl_culled, vpl_clamped);
+/// volume (spheroid | sphere_around | sphere_at_light; vpl_culled); alpha, samples, build (gather |
+/// scatter; vpl_grid). Throws Error for what is unknown or makes no sense.
 VirtualLightOptions parse_virtual_light_method(std::string_view description);
 
 /// What virtual lights took, over all passes.
 struct VirtualLightStats {
     std::uint64_t lights = 0;  ///< generated
     double generation_seconds = 0.0;
-    double lighting_seconds = 0.0;  ///< ranges, culling, shading, shadows
+    double build_seconds = 0.0;     ///< of kGrid: its hierarchy
+    double lighting_seconds = 0.0;  ///< ranges, culling, shading, shadows, and of kGrid its tree to
+                                    ///< find lights by and its filter
     double filter_seconds = 0.0;
-    std::uint64_t pixels = 0;    ///< that show a surface
-    std::uint64_t listed = 0;    ///< lights in the lists of the pixels' tiles, over all pixels
-    std::uint64_t accepted = 0;  ///< of them, those in whose range the pixel was
+    std::uint64_t pixels = 0;  ///< that show a surface
+    std::uint64_t listed = 0;  ///< lights in the lists of the pixels' tiles, or that the traversal
+                               ///< of kGrid found, over all pixels
+    std::uint64_t accepted = 0;  ///< of them, those in whose range the pixel was; of kGrid those
+                                 ///< that gave it something
     std::uint64_t shadow_rays = 0;
 };
 
