@@ -39,10 +39,12 @@ class LightCounts:
     """Of them, those in whose range the pixel is; of vpl_grid those that give it something."""
     shadow_rays: float
     """Per pixel."""
+    map_points: float
+    """Per virtual light: points splatted into its shadow map."""
     generation_seconds: float
     """Per pass, as the following."""
     build_seconds: float
-    """Of vpl_grid: its hierarchy."""
+    """Of vpl_grid its hierarchy, of shadows=maps the maps."""
     lighting_seconds: float
     """Ranges, culling, shading and shadows."""
     filter_seconds: float
@@ -91,6 +93,7 @@ class VirtualLightJob:
             listed=stats.listed / pixels,
             accepted=stats.accepted / pixels,
             shadow_rays=stats.shadow_rays / pixels,
+            map_points=stats.map_points / max(stats.lights, 1),
             generation_seconds=stats.generation_seconds / passes,
             build_seconds=stats.build_seconds / passes,
             lighting_seconds=stats.lighting_seconds / passes,

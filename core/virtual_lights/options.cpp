@@ -50,6 +50,18 @@ void take_grid(Description& description, VirtualLightOptions& options) {
     }
 }
 
+void take_maps(Description& description, VirtualLightOptions& options) {
+    constexpr std::uint32_t kMostPoints = 1u << 20;
+    if (options.method == VirtualLightMethod::kGrid) {
+        description.fail("shadows=maps is not for vpl_grid, whose lights have no maps");
+    }
+    description.take_number("points", options.map_points);
+    description.take_choice("map_culling", "on", "off", options.map_culling);
+    if (options.map_points < 1 || options.map_points > kMostPoints) {
+        description.fail("points is not in [1, 1048576]");
+    }
+}
+
 void check(const Description& description, const VirtualLightOptions& options) {
     constexpr std::uint32_t kMostPaths = 1u << 26;
     if (options.light_paths < 1 || options.light_paths > kMostPaths) {
@@ -76,7 +88,8 @@ VirtualLightOptions parse_virtual_light_method(std::string_view text) {
     constexpr Named<VirtualLightSource> kSources[] = {
         {"paths", VirtualLightSource::kPaths}, {"shadow_map", VirtualLightSource::kShadowMap}};
     constexpr Named<VirtualShadows> kShadows[] = {{"rays", VirtualShadows::kRays},
-                                                  {"none", VirtualShadows::kNone}};
+                                                  {"none", VirtualShadows::kNone},
+                                                  {"maps", VirtualShadows::kMaps}};
     constexpr Named<BoundingVolume> kVolumes[] = {
         {"spheroid", BoundingVolume::kSpheroid},
         {"sphere_around", BoundingVolume::kSphereAround},
@@ -112,6 +125,7 @@ VirtualLightOptions parse_virtual_light_method(std::string_view text) {
     if (options.method == Method::kCulled) {
         take_named(description, "volume", kVolumes, options.volume);
     }
+    if (options.shadows == VirtualShadows::kMaps) take_maps(description, options);
     description.check_all_taken();
     check(description, options);
     return options;

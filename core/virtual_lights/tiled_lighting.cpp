@@ -2,14 +2,20 @@
 
 #include "base/random.h"
 #include "lights/parallel_blocks.h"
+#include "virtual_lights/imperfect_shadow_maps.h"
 #include "virtual_lights/tile_bounds.h"
+
+#include <lightcull/error.h>
 
 #include <ImathBox.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
+#include <optional>
+#include <string>
 
 namespace lightcull {
 namespace {
@@ -75,6 +81,8 @@ class PreparedLights {
     const VirtualLight& light(std::size_t i) const noexcept { return lights_[i]; }
     const Acceptance::OfLight& of_light(std::size_t i) const noexcept { return of_light_[i]; }
 
+    const std::vector<VirtualLight>& all() const noexcept { return lights_; }
+
     /// The lights of a subset that may count somewhere in a piece of a tile.
     void list(std::uint32_t subset, const FrustumPiece& piece,
               std::vector<std::uint32_t>& list) const {
@@ -99,10 +107,12 @@ class PreparedLights {
 class TileLighting {
   public:
     TileLighting(const LightingPass& pass, const PreparedLights& lights,
-                 const Acceptance& acceptance, float nearest2, Span<V3f> pixels)
+                 const Acceptance& acceptance, const ImperfectShadowMaps* maps, float nearest2,
+                 Span<V3f> pixels)
         : pass_(pass),
           lights_(lights),
           acceptance_(acceptance),
+          maps_(maps),
           nearest2_(nearest2),
           scale_(static_cast<float>(lights.subsets())),
           pixels_(pixels) {}
@@ -150,8 +160,10 @@ class TileLighting {
         const V3f value = surface.bsdf.evaluate(direction).value * sent *
                           (scale_ * weight / std::max(distance2, nearest2_));
         if (value == V3f(0.0f)) return;
-        if (pass_.options.shadows == VirtualShadows::kNone) {
-            pixels_[pixel] += value;
+        if (pass_.options.shadows != VirtualShadows::kRays) {
+            const bool is_dark =
+                maps_ != nullptr && maps_->occluded(index, light, surface.position);
+            if (!is_dark) pixels_[pixel] += value;
             return;
         }
         rays_.push_back({surface.origin, light.position - surface.origin, kShadowEnd});
@@ -172,6 +184,7 @@ class TileLighting {
     const LightingPass& pass_;
     const PreparedLights& lights_;
     const Acceptance& acceptance_;
+    const ImperfectShadowMaps* maps_;  // null without
     float nearest2_, scale_;
     Span<V3f> pixels_;
     LightingCounts counts_;
@@ -180,6 +193,24 @@ class TileLighting {
     std::vector<V3f> values_;
     std::vector<std::uint8_t> occluded_;
 };
+
+ImperfectShadowMaps make_maps(const LightingPass& pass, const PreparedLights& lights,
+                              const Acceptance& acceptance) {
+    const std::vector<VirtualLight>& all = lights.all();
+    if (all.size() > ImperfectShadowMaps::kMostLights) {
+        throw Error("virtual lights: " + std::to_string(all.size()) +
+                    " are too many for shadows=maps: at most " +
+                    std::to_string(ImperfectShadowMaps::kMostLights));
+    }
+    std::vector<float> ranges(all.size(), std::numeric_limits<float>::infinity());
+    if (pass.options.method != VirtualLightMethod::kAll && pass.options.map_culling) {
+        for (std::size_t i = 0; i < all.size(); ++i) {
+            const BoundingVolume kind = BoundingVolume::kSphereAtLight;
+            ranges[i] = acceptance.volume(all[i], lights.of_light(i), kind).radius;
+        }
+    }
+    return {all, ranges, pass.cloud, pass.options.map_points, pass.key};
+}
 
 }  // namespace
 
@@ -197,12 +228,21 @@ LightingCounts add_tiled_lighting(const LightingPass& pass, const std::vector<Vi
     const PreparedLights prepared(pass, lights, acceptance, edge * edge);
     const float nearest2 = nearest_distance2(lights);
     const std::vector<SubTile> tiles = sub_tiles(pass.view, edge);
+    LightingCounts sum;
+    std::optional<ImperfectShadowMaps> maps;
+    if (pass.options.shadows == VirtualShadows::kMaps) {
+        const auto start = std::chrono::steady_clock::now();
+        maps.emplace(make_maps(pass, prepared, acceptance));
+        sum.map_points = maps->splatted();
+        sum.build_seconds =
+            std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    }
     std::vector<LightingCounts> counts(tiles.size());
     tbb::parallel_for(std::size_t{0}, tiles.size(), [&](std::size_t i) {
         if (pass.cancelled()) return;
-        counts[i] = TileLighting(pass, prepared, acceptance, nearest2, pixels).run(tiles[i]);
+        TileLighting tile(pass, prepared, acceptance, maps ? &*maps : nullptr, nearest2, pixels);
+        counts[i] = tile.run(tiles[i]);
     });
-    LightingCounts sum;
     for (const LightingCounts& c : counts) sum += c;
     return sum;
 }

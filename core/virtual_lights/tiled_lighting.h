@@ -4,6 +4,7 @@
 #include "render/ray_tracer.h"
 #include "virtual_lights/acceptance.h"
 #include "virtual_lights/camera_view.h"
+#include "virtual_lights/point_cloud.h"
 #include "virtual_lights/virtual_light.h"
 
 #include <lightcull/span.h>
@@ -23,6 +24,7 @@ struct LightingPass {
     const VirtualLightOptions& options;
     std::uint64_t key;                ///< of its random numbers
     const std::atomic<bool>* cancel;  ///< may be null
+    Span<const CloudPoint> cloud{};   ///< of shadows by maps
 
     bool cancelled() const noexcept {
         return cancel != nullptr && cancel->load(std::memory_order_relaxed);
@@ -31,7 +33,8 @@ struct LightingPass {
 
 /// As VirtualLightStats.
 struct LightingCounts {
-    std::uint64_t listed = 0, accepted = 0, shadow_rays = 0;
+    std::uint64_t listed = 0, accepted = 0, shadow_rays = 0, map_points = 0;
+    double build_seconds = 0.0;
 
     LightingCounts& operator+=(const LightingCounts& other) noexcept {
         listed += other.listed;
@@ -46,6 +49,7 @@ float nearest_distance2(const std::vector<VirtualLight>& lights) noexcept;
 
 /// Adds to each pixel the light of virtual lights that its surface sends to the camera: stochastic
 /// tiled lighting, Alg. 1 of [TH16], within interleaved sampling. Runs in the caller's TBB arena.
+/// Throws Error for more lights than there can be shadow maps.
 LightingCounts add_tiled_lighting(const LightingPass& pass, const std::vector<VirtualLight>& lights,
                                   const Acceptance& acceptance, Span<V3f> pixels);
 

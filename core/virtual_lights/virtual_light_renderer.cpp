@@ -9,6 +9,7 @@
 #include "virtual_lights/cross_bilateral.h"
 #include "virtual_lights/grid_lighting.h"
 #include "virtual_lights/light_paths.h"
+#include "virtual_lights/point_cloud.h"
 #include "virtual_lights/tiled_lighting.h"
 
 #include <lightcull/error.h>
@@ -65,6 +66,7 @@ VirtualLightStats& operator+=(VirtualLightStats& sum, const VirtualLightStats& p
     sum.listed += pass.listed;
     sum.accepted += pass.accepted;
     sum.shadow_rays += pass.shadow_rays;
+    sum.map_points += pass.map_points;
     return sum;
 }
 
@@ -72,6 +74,8 @@ void note(const LightingCounts& counts, VirtualLightStats& cost) noexcept {
     cost.listed = counts.listed;
     cost.accepted = counts.accepted;
     cost.shadow_rays = counts.shadow_rays;
+    cost.map_points = counts.map_points;
+    cost.build_seconds = counts.build_seconds;
 }
 
 RenderSettings direct_only(RenderSettings settings) {
@@ -90,6 +94,7 @@ struct VirtualLightRenderer::Impl {
     tbb::task_arena arena;
     EmissionTable emission;
     std::optional<RandomRanges> ranges;  ///< since the first pass
+    std::vector<CloudPoint> cloud;       ///< of shadows by maps
     Film bounced;
     double seconds = 0.0;    ///< of bounced light
     std::uint64_t rays = 0;  ///< camera and shadow rays of bounced light
@@ -104,7 +109,12 @@ struct VirtualLightRenderer::Impl {
           camera(shared_scene->camera(), r.width, r.height),
           arena(thread_count(r.threads)),
           emission(shared_scene->impl()),
-          bounced(std::size_t{r.width} * r.height) {}
+          bounced(std::size_t{r.width} * r.height) {
+        // So many that the maps of a few lights together have all of the geometry.
+        constexpr std::uint32_t kMaps = 16;
+        if (options.shadows != VirtualShadows::kMaps) return;
+        cloud = make_point_cloud(scene(), kMaps * options.map_points, options.map_points, 0);
+    }
 
     const Scene::Impl& scene() const noexcept { return shared_scene->impl(); }
     std::vector<VirtualLight> generate(std::uint64_t key, VirtualLightStats& cost) const;
@@ -155,7 +165,7 @@ std::vector<V3f> VirtualLightRenderer::Impl::bounced_light(const std::atomic<boo
 
     std::vector<V3f> pixels(view.hit.size(), V3f(0.0f));
     if (lights.empty()) return pixels;
-    const LightingPass lighting{*scene().ray_tracer, camera, view, options, key, cancel};
+    const LightingPass lighting{*scene().ray_tracer, camera, view, options, key, cancel, cloud};
     if (options.method == VirtualLightMethod::kGrid) {
         add_by_grid(lighting, lights, pixels, cost);
     } else {
@@ -171,7 +181,7 @@ void VirtualLightRenderer::Impl::add_by_tiles(const LightingPass& lighting,
                                               VirtualLightStats& cost) const {
     Clock::time_point start = Clock::now();
     note(add_tiled_lighting(lighting, lights, Acceptance(options.method, *ranges), pixels), cost);
-    cost.lighting_seconds = seconds_since(start);
+    cost.lighting_seconds = seconds_since(start) - cost.build_seconds;
     start = Clock::now();
     if (options.filter && !lighting.cancelled()) filter_cross_bilateral(lighting.view, pixels);
     cost.filter_seconds = seconds_since(start);
@@ -183,9 +193,10 @@ void VirtualLightRenderer::Impl::add_by_grid(const LightingPass& lighting,
                                              VirtualLightStats& cost) const {
     Clock::time_point start = Clock::now();
     const GridHierarchy hierarchy(lights, options.alpha, options.grid_build);
-    cost.build_seconds = seconds_since(start);
+    const double build_seconds = seconds_since(start);
     start = Clock::now();
     note(add_grid_lighting(lighting, lights, hierarchy, pixels), cost);
+    cost.build_seconds = build_seconds;
     cost.lighting_seconds = seconds_since(start);
 }
 

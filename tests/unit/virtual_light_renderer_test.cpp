@@ -52,6 +52,7 @@ class Passes {
           view_(trace_camera_view(scene.impl(), settings_, camera_, 1)),
           lights_(virtual_lights(scene.impl(),
                                  emit(EmissionTable(scene.impl()), options_.light_paths, 1), 2, 1)),
+          cloud_(make_point_cloud(scene.impl(), 16 * options_.map_points, options_.map_points, 1)),
           tracer_(*scene.impl().ray_tracer) {
         for (const auto h : view_.hit) seen_ += h;
     }
@@ -64,8 +65,9 @@ class Passes {
                             constant ? RangeLaw::kConstant : RangeLaw::kRandom);
         ranges.begin_pass(number);
         std::vector<V3f> pixels(view_.hit.size(), V3f(0.0f));
-        counts = add_tiled_lighting({tracer_, camera_, view_, options_, hash(number, 5), nullptr},
-                                    lights_, Acceptance(options_.method, ranges), pixels);
+        counts = add_tiled_lighting(
+            {tracer_, camera_, view_, options_, hash(number, 5), nullptr, cloud_}, lights_,
+            Acceptance(options_.method, ranges), pixels);
         return pixels;
     }
 
@@ -100,6 +102,7 @@ class Passes {
     CameraRays camera_;
     CameraView view_;
     std::vector<VirtualLight> lights_;
+    std::vector<CloudPoint> cloud_;
     const RayTracer& tracer_;
     std::size_t seen_ = 0;
 };
@@ -157,6 +160,25 @@ TEST_CASE("the volumes that cull change the cost, not the image") {
     CHECK(images[0] == images[2]);
     CHECK(listed[0] < listed[1]);
     CHECK(listed[1] < listed[2]);
+}
+
+TEST_CASE("imperfect shadow maps shade about what rays do, culled or not") {
+    const auto scene = corner(0.5f);
+    const auto mean = [&](const std::string& shadows) {
+        Passes passes(*scene, "vpl_all:lights=1000:shadows=" + shadows);
+        double sum = 0.0;
+        for (const V3f& p : passes.pass(0)) sum += static_cast<double>(lightcull::luminance(p));
+        return sum;
+    };
+    const double rays = mean("rays"), none = mean("none");
+    CHECK(none > 1.03 * rays);
+    for (const char* culling : {"on", "off"}) {
+        const double maps = mean(std::string("maps:map_culling=") + culling);
+        CAPTURE(culling);
+        CAPTURE(maps / rays);
+        CAPTURE(none / rays);
+        CHECK(std::fabs(maps - rays) < 0.4 * (none - rays));
+    }
 }
 
 TEST_CASE("random numbers shared by all pixels leave a pixel the variance of its own ones") {
@@ -255,7 +277,8 @@ TEST_CASE("virtual lights: bad input is refused, nothing to do is done") {
     for (const char* method :
          {"vpl", "vpl_all:accepted=3", "vpl_culled:lights=0", "vpl_culled:interleave=3",
           "vpl_culled:shadows=soft", "vpl_clamped:volume=spheroid", "vpl_culled:lights=x",
-          "vpl_culled:source=shadow_map:lights=1000", "vpl_culled:error_bound=no"}) {
+          "vpl_culled:source=shadow_map:lights=1000", "vpl_culled:error_bound=no",
+          "vpl_grid:shadows=maps", "vpl_culled:points=10", "vpl_all:shadows=maps:points=0"}) {
         CAPTURE(method);
         CHECK_THROWS_AS(parse_virtual_light_method(method), Error);
     }

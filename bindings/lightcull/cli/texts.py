@@ -58,8 +58,9 @@ METHOD is how light that bounces is found, with --max-depth 3 (the default here)
   vpl_clamped  the same with constant ranges: too dark, for comparison
   vpl_grid     far virtual lights taken together, by a lighting grid hierarchy (Lin & Yuksel 2019)
   vpl_all      every virtual light at every pixel: slow
-Options follow at colons: lights=65536 (light paths), shadows=rays|none, accepted=32 (virtual lights
-per pixel; or error_bound=), interleave=8 (1, 2, 4), filter=on|off, volume=spheroid|sphere_around|
+Options follow at colons: lights=65536 (light paths), shadows=rays|maps|none (maps:
+imperfect shadow maps, not of vpl_grid), accepted=32 (virtual lights per pixel; or error_bound=),
+interleave=8 (1, 2, 4), filter=on|off, volume=spheroid|sphere_around|
 sphere_at_light, source=paths|shadow_map (of spots, with a texel for each of the lights); of vpl_grid
 alpha=2 (accuracy) and samples=4 (shadow rays per pixel). New virtual lights are drawn in each pass. --sampler is for direct light."""
 

@@ -28,7 +28,12 @@ enum class VirtualLightSource {
     kShadowMap,  ///< at the texels of a reflective shadow map of each spot
 };
 
-enum class VirtualShadows { kNone, kRays };
+enum class VirtualShadows {
+    kNone,
+    kRays,
+    kMaps,  ///< imperfect shadow maps ([TH16] section 4.3); not of kGrid, and of 2^18 lights at
+            ///< most
+};
 
 /// What encloses the places where a virtual light matters.
 enum class BoundingVolume {
@@ -61,6 +66,10 @@ struct VirtualLightOptions {
     /// shadows.
     bool filter = true;
 
+    // Of shadows by maps:
+    std::uint32_t map_points = 8192;  ///< points of the scene for the map of each light
+    bool map_culling = true;          ///< only of those within its range
+
     // Of kGrid:
     float alpha = 2.0f;                ///< r_l / h_l: how far each light is taken by itself
     std::uint32_t shadow_samples = 4;  ///< shadow rays per pixel
@@ -70,17 +79,18 @@ struct VirtualLightOptions {
 /// Options by their description: a name, then options, as in "vpl_culled",
 /// "vpl_culled:lights=65536:shadows=none", "vpl_clamped:error_bound=0.01". Names: vpl_all (1024
 /// lights, no interleaving and no filter unless told), vpl_culled, vpl_clamped, vpl_grid. Options:
-/// lights; source (paths | shadow_map); shadows (rays | none); filter (on | off); interleave (not
-/// of vpl_grid); error_bound (a number or auto), accepted, exposure (vpl_culled, vpl_clamped);
+/// lights; source (paths | shadow_map); shadows (rays | none | maps); filter (on | off); interleave
+/// (not of vpl_grid); error_bound (a number or auto), accepted, exposure (vpl_culled, vpl_clamped);
 /// volume (spheroid | sphere_around | sphere_at_light; vpl_culled); alpha, samples, build (gather |
-/// scatter; vpl_grid). Throws Error for what is unknown or makes no sense.
+/// scatter; vpl_grid); points, map_culling (on | off; shadows=maps). Throws Error for what is
+/// unknown or makes no sense.
 VirtualLightOptions parse_virtual_light_method(std::string_view description);
 
 /// What virtual lights took, over all passes.
 struct VirtualLightStats {
     std::uint64_t lights = 0;  ///< generated
     double generation_seconds = 0.0;
-    double build_seconds = 0.0;     ///< of kGrid: its hierarchy
+    double build_seconds = 0.0;     ///< of kGrid its hierarchy, of shadows by maps the maps
     double lighting_seconds = 0.0;  ///< ranges, culling, shading, shadows, and of kGrid its tree to
                                     ///< find lights by and its filter
     double filter_seconds = 0.0;
@@ -90,6 +100,7 @@ struct VirtualLightStats {
     std::uint64_t accepted = 0;  ///< of them, those in whose range the pixel was; of kGrid those
                                  ///< that gave it something
     std::uint64_t shadow_rays = 0;
+    std::uint64_t map_points = 0;  ///< points splatted into shadow maps
 };
 
 /// A progressive renderer: emission and direct light as Renderer has them, and what bounces by
