@@ -14,6 +14,7 @@ from .compare import SAMPLERS, compare
 from .images import apply_view, read_image, view_names, write_exr, write_png
 from .loaders import UnsupportedWarning, load, open_scene
 from .loaders import example_scene as example_scene
+from .methods import MethodReport, compare_methods
 from .render import Progress, RenderResult, Stats, render
 from .report import Comparison
 from .sampler import LightSampler, point_lights, triangle_lights
@@ -30,6 +31,7 @@ __all__ = [
     "Comparison",
     "Error",
     "LightSampler",
+    "MethodReport",
     "Progress",
     "RenderResult",
     "Scene",
@@ -38,6 +40,7 @@ __all__ = [
     "__version__",
     "apply_view",
     "compare",
+    "compare_methods",
     "example_scene",
     "load",
     "open_scene",

@@ -245,8 +245,9 @@ def render(
     scene: ours, or a `lightcull.mitsuba.MitsubaScene`. sampler: a description as in `LightSampler`.
     size: width and height, pixels. max_depth: longest path, in edges: 1 sees emitters only, 2
     direct light. method: how light that bounces is found: "path" by paths; "vpl_all", "vpl_culled",
-    "vpl_clamped" and "vpl_grid" by virtual lights where light paths meet surfaces, which wants a max_depth of 3
-    to 5 (`lightcull render --help` has their options); the sampler is then for direct light. threads: 0 for all; the image does not depend on it. progress: called between
+    "vpl_clamped" and "vpl_grid" by virtual lights where light paths meet surfaces, which wants a
+    max_depth of 3 to 5 (`lightcull render --help` has their options); the sampler is then for
+    direct light. threads: 0 for all; the image does not depend on it. progress: called between
     passes; what it raises ends the render.
 
     checkpoint: a file to which the render is saved every `every` seconds and at its end, from which
@@ -320,7 +321,10 @@ def _warn_of_nonsense(scene: str, image: np.ndarray) -> None:
 
 
 def _run(
-    job: Job | VirtualLightJob, budget: Budget, progress: ProgressCallback | None, keep: Callable[[], None] | None
+    job: Job | VirtualLightJob,
+    budget: Budget,
+    progress: ProgressCallback | None,
+    keep: Callable[[], None] | None,
 ) -> bool:
     """Renders pass by pass until the budget is used up. True if Ctrl-C came before that."""
     with Interruption() as interruption:

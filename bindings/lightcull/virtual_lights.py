@@ -41,6 +41,8 @@ class LightCounts:
     """Per pixel."""
     map_points: float
     """Per virtual light: points splatted into its shadow map."""
+    error_bound: float
+    """Of vpl_culled and vpl_clamped: given, or found in the first pass."""
     generation_seconds: float
     """Per pass, as the following."""
     build_seconds: float
@@ -94,6 +96,7 @@ class VirtualLightJob:
             accepted=stats.accepted / pixels,
             shadow_rays=stats.shadow_rays / pixels,
             map_points=stats.map_points / max(stats.lights, 1),
+            error_bound=stats.error_bound,
             generation_seconds=stats.generation_seconds / passes,
             build_seconds=stats.build_seconds / passes,
             lighting_seconds=stats.lighting_seconds / passes,

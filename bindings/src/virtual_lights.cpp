@@ -99,6 +99,7 @@ void bind_virtual_lights(py::module_& module) {
         .def_readonly("listed", &VirtualLightStats::listed)
         .def_readonly("accepted", &VirtualLightStats::accepted)
         .def_readonly("shadow_rays", &VirtualLightStats::shadow_rays)
+        .def_readonly("error_bound", &VirtualLightStats::error_bound)
         .def_readonly("map_points", &VirtualLightStats::map_points);
     py::class_<InterruptibleVirtualLights>(module, "VirtualLightRenderer")
         .def(py::init(&make_virtual_lights), py::arg("scene"), py::arg("method"),

@@ -149,6 +149,10 @@ void VirtualLightRenderer::Impl::begin_ranges(const std::vector<VirtualLight>& l
         const float reach = options.method == VirtualLightMethod::kAll
                                 ? 1.0f
                                 : calibrate_reach(lights, options, *shared_scene, settings);
+        // [TH16] Eq. 6 and appendix A.
+        const double share = constant ? static_cast<double>(lights.size()) : 0.5;
+        stats.error_bound = static_cast<double>(options.range.exposure) * share /
+                            (static_cast<double>(kPi) * static_cast<double>(reach));
         ranges.emplace(reach, 1, constant ? RangeLaw::kConstant : RangeLaw::kRandom);
     }
     ranges->begin_pass(mix(settings.seed) + pass);

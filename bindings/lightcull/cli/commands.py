@@ -21,6 +21,7 @@ from .._core import Error
 from ..compare import compare
 from ..images import apply_view, check_format, check_output, check_writable, make_folder
 from ..loaders import open_scene
+from ..methods import compare_methods
 from ..render import RenderJob, RenderSettings, render
 from ..scene import Scene
 from ..virtual_lights import PATH
@@ -77,7 +78,7 @@ def _open(options: argparse.Namespace) -> Scene | MitsubaScene:
     is_xml = Path(options.scene).suffix.lower() == ".xml"
     if options.host is None and not is_xml:
         options.size = options.size or _SIZE
-        bounces = getattr(options, "method", PATH) != PATH
+        bounces = getattr(options, "method", PATH) != PATH or getattr(options, "methods", None)
         options.max_depth = options.max_depth or (_BOUNCED_DEPTH if bounces else _MAX_DEPTH)
         return open_scene(options.scene)
     if not is_xml:
@@ -101,7 +102,40 @@ def _check_output(output: Path, options: argparse.Namespace) -> None:
             raise Error(f"{output}: cannot be the image and the checkpoint")
 
 
+def _compare_methods(
+    options: argparse.Namespace, arguments: Sequence[str], messages: Console
+) -> bool:
+    folder = Path("report" if options.output is None else options.output)
+    check_writable(folder)
+    if options.spp is not None:
+        raise Error("--spp: methods are compared in equal time, give --seconds")
+    with _warnings_to(messages):
+        scene = _open(options)
+        if not isinstance(scene, Scene):
+            raise Error("--methods: not for a scene of another renderer")
+        with messages.status("") as status:
+            report = compare_methods(
+                scene,
+                options.methods,
+                seconds=options.seconds or options.default_seconds,
+                size=options.size,
+                max_depth=options.max_depth,
+                seed=options.seed,
+                threads=options.threads,
+                most_lights=options.most_lights,
+                folder=folder,
+                command=shlex.join(["lightcull", *arguments]),
+                progress=status.update,
+            )
+    for study in report.studies:
+        print(f"{study.title}: {study.finding}")
+    print(folder / "index.html")
+    return True
+
+
 def _compare(options: argparse.Namespace, arguments: Sequence[str], messages: Console) -> bool:
+    if options.methods is not None:
+        return _compare_methods(options, arguments, messages)
     folder = Path("report" if options.output is None else options.output)
     check_writable(folder)
     with _warnings_to(messages):

@@ -14,6 +14,7 @@ from ..bench import DEFAULT_SIZE as BENCH_SIZE
 from ..bench import DEFAULT_THREADS as BENCH_THREADS
 from ..checks import MOST_32_BITS, MOST_64_BITS, MOST_PIXELS
 from ..compare import DEFAULT_SAMPLERS
+from ..methods.run import MOST_LIGHTS
 from ..sampler import check_description
 from ..virtual_lights import METHODS, PATH, check_method
 from . import texts
@@ -68,6 +69,14 @@ def make_parser() -> argparse.ArgumentParser:
 
     compare = add("compare", "compare samplers in equal time", texts.COMPARE)
     _add_samplers(compare, DEFAULT_SAMPLERS)
+    compare.add_argument(
+        "--methods", type=_method_list, metavar="A,B,...",
+        help="compare how light that bounces is found instead; see `lightcull render --help`",
+    )  # fmt: skip
+    compare.add_argument(
+        "--most-lights", type=_from_one, default=MOST_LIGHTS, metavar="N",
+        help=f"of --methods: light paths up to which virtual lights are scaled; default: {MOST_LIGHTS}",
+    )  # fmt: skip
     compare.add_argument(
         "--reference-seconds",
         type=_positive,
@@ -252,6 +261,10 @@ def _method(text: str) -> str:
         return check_method(text)
     except Error as error:
         raise argparse.ArgumentTypeError(str(error)) from error
+
+
+def _method_list(text: str) -> list[str]:
+    return [_method(description) for description in text.split(",")]
 
 
 def _samplers(text: str) -> list[str]:

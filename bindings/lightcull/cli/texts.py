@@ -70,11 +70,17 @@ examples:
   lightcull compare city --samplers light_bvh,culled,paper -o report-city
   lightcull compare cornell --samplers culled:sets=16,culled:sets=64 --spp 64
   lightcull compare --host mitsuba scene.xml --samplers path,culled
+  lightcull compare cornell --methods path,vpl_culled,vpl_clamped,vpl_grid -o report-methods
 
 Builds and refits count as render time. The samplers take turns, so that a noisy machine is fair to
 all. A reference is rendered first, for 8 times as long, by a sampler that is not compared (or by
 two if all are), and kept in ~/.cache/lightcull. The folder gets index.html, report.json, report.csv
-and the images."""
+and the images.
+
+With --methods each method renders for --seconds, and then virtual lights are counted and timed from
+1,024 light paths to --most-lights: stochastic tiled lighting against constant ranges, spheroids
+against spheres, imperfect shadow maps, the lighting grid hierarchy. The folder gets index.html,
+methods.json and the images."""
 
 BENCH = """\
 examples:

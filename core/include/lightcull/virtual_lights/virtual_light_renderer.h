@@ -100,6 +100,7 @@ struct VirtualLightStats {
     std::uint64_t accepted = 0;  ///< of them, those in whose range the pixel was; of kGrid those
                                  ///< that gave it something
     std::uint64_t shadow_rays = 0;
+    double error_bound = 0.0;      ///< of kCulled and kClamped, given or found in the first pass
     std::uint64_t map_points = 0;  ///< points splatted into shadow maps
 };
 

@@ -1,0 +1,117 @@
+"""All methods for the same time, against the path tracer's reference: figure 4 of [TH16]."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ..reference import ReferenceOrder, reference_for
+from ..render import Budget, RenderJob
+from ..subject import Job, OwnSubject
+from ..virtual_lights import PATH, VirtualLightJob
+from .measure import DIRECT_SAMPLER, Bench, relative_rmse
+from .model import Curve, Picture, Plot, Study, Table
+
+_EFFORT = 16
+"""Of the reference, as a multiple of what each method has."""
+_MOMENT_RATIO = 1.5
+"""Between one moment at which the error is taken and the next."""
+
+
+def equal_time(bench: Bench, methods: Sequence[str]) -> Study:
+    """Each method for bench.seconds, in turns."""
+    reference = _reference(bench)
+    bounced = reference - _direct(bench)
+    racers = [_Racer(bench, method, bounced) for method in methods]
+    while (racer := min(racers, key=lambda r: r.seconds)).seconds < bench.seconds:
+        racer.render_pass()
+        bench.report("equal time", min(racer.seconds / bench.seconds, 1.0))
+    rows = []
+    for racer in racers:
+        found = racer.bounced()
+        brightness = float(found.mean() / bounced.mean()) if bounced.mean() else 0.0
+        rows.append(
+            (racer.method, racer.job.stats().spp, racer.seconds, relative_rmse(found, bounced),
+             brightness)
+        )  # fmt: skip
+    pictures = [Picture("reference", reference, "path tracer")]
+    pictures += [
+        Picture(r.method, r.job.image(), f"RMSE / mean {row[3]:.3f}")
+        for r, row in zip(racers, rows, strict=True)
+    ]
+    best = min(rows, key=lambda row: row[3])
+    return Study(
+        key="equal_time",
+        title="Error in equal time",
+        finding=f"{best[0]} has the least error: an RMSE of {best[3]:.3f} of the mean of the light "
+        "that bounced.",
+        note=f"As figure 4 of [TH16]. Each method renders for {bench.seconds:g} s of wall time, in "
+        "turns; the reference is the path tracer's, for "
+        f"{_EFFORT} times as long. Errors are of light that bounced: direct light, which all find "
+        "alike, is subtracted to the bit, its time is not. Brightness: bounced light over that of the "
+        "reference; below 1 it is missing. New virtual lights in each pass.",
+        table=Table(
+            ("method", "passes", "time, s", "RMSE / mean", "brightness of bounced light"),
+            tuple(rows),
+        ),
+        plot=Plot(
+            "seconds", "RMSE / mean",
+            tuple(Curve(r.method, [c[0] for c in r.curve], [c[1] for c in r.curve]) for r in racers),
+        ),
+        figures={f"brightness_{row[0]}": row[4] for row in rows},
+        pictures=tuple(pictures),
+    )  # fmt: skip
+
+
+class _Racer:
+    """A method, and beside it direct light with the same random numbers, which costs it nothing."""
+
+    def __init__(self, bench: Bench, method: str, reference: np.ndarray) -> None:
+        self.method = method
+        self.job: Job | VirtualLightJob = (
+            RenderJob(bench.scene, DIRECT_SAMPLER, bench.settings)
+            if method == PATH
+            else VirtualLightJob(bench.scene, method, DIRECT_SAMPLER, bench.settings)
+        )
+        self._direct = RenderJob(
+            bench.scene, DIRECT_SAMPLER, replace(bench.settings, max_depth=2)
+        )
+        self.curve: list[tuple[float, float]] = []
+        self._reference = reference
+        self._next_moment = 0.0
+
+    @property
+    def seconds(self) -> float:
+        return self.job.stats().seconds
+
+    def render_pass(self) -> None:
+        self.job.render_pass()
+        self._direct.render_pass()
+        if self.seconds >= self._next_moment:
+            self.curve.append((self.seconds, relative_rmse(self.bounced(), self._reference)))
+            self._next_moment = self.seconds * _MOMENT_RATIO
+
+    def bounced(self) -> np.ndarray:
+        """float64 (H, W, 3): what is not direct light."""
+        return self.job.image().astype(np.float64) - self._direct.image()
+
+
+def _reference(bench: Bench) -> np.ndarray:
+    order = ReferenceOrder(
+        OwnSubject(bench.scene), (DIRECT_SAMPLER, DIRECT_SAMPLER), bench.settings,
+        Budget(None, _EFFORT * bench.seconds),
+    )  # fmt: skip
+    found = reference_for(order, lambda fraction, *_: bench.report("reference", fraction))
+    return found.image.astype(np.float64)
+
+
+def _direct(bench: Bench) -> np.ndarray:
+    """As much of it as the reference is worth: a quarter of its time."""
+    settings = replace(bench.settings, max_depth=2)
+    job = RenderJob(bench.scene, DIRECT_SAMPLER, settings)
+    while job.stats().seconds < 0.25 * _EFFORT * bench.seconds:
+        job.render_pass()
+        bench.report("direct light", min(job.stats().seconds / bench.seconds, 1.0))
+    return job.image().astype(np.float64)

@@ -1,0 +1,70 @@
+"""lightcull compare --methods."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from .. import checks, machine
+from .._core import Error
+from ..images import check_writable
+from ..render import RenderSettings
+from ..scene import Scene
+from ..virtual_lights import check_method
+from . import hierarchy, page, race, scaling, volumes
+from .measure import Bench
+from .model import MethodReport
+
+MOST_LIGHTS = 1048576
+
+
+def compare_methods(
+    scene: Scene,
+    methods: Sequence[str],
+    *,
+    seconds: float = 10.0,
+    size: tuple[int, int] = (320, 240),
+    max_depth: int = 3,
+    seed: int = 0,
+    threads: int = 0,
+    most_lights: int = MOST_LIGHTS,
+    folder: str | os.PathLike[str] | None = None,
+    command: str = "",
+    progress: Callable[[str], object] | None = None,
+) -> MethodReport:
+    """Compares methods: those named for `seconds` each against the path tracer, and how virtual
+    lights scale from 1024 to `most_lights` light paths, with any culling volume, shadow map and grid.
+
+    methods: descriptions as in `render`. size: width and height, pixels. max_depth: 3 to 5.
+    threads: 0 for all. folder: where index.html, methods.json and pictures are written; None: none.
+    command: what the report says made it. progress: called with what is being done, in words.
+    """
+    if not methods:
+        raise Error("methods: wanted one at least")
+    for method in methods:
+        check_method(method)
+    if checks.whole_number("most_lights", most_lights, 1) > 2**26:
+        raise Error("most_lights: wanted at most 67108864")
+    if not checks.number("seconds", seconds) > 0:
+        raise Error(f"seconds: wanted more than 0, got {seconds}")
+    if folder is not None:
+        check_writable(folder)
+
+    def report(stage: str, fraction: float) -> None:
+        if progress is not None:
+            progress(f"{stage}, {fraction:.0%}")
+
+    settings = RenderSettings(size, max_depth, seed, threads)
+    bench = Bench(scene, settings, most_lights, seconds, report)
+    studies = (
+        race.equal_time(bench, tuple(dict.fromkeys(methods))),
+        scaling.tiled_lighting(bench),
+        volumes.spheroids(bench),
+        scaling.shadow_maps(bench),
+        hierarchy.grid(bench),
+    )
+    result = MethodReport(scene.name, *size, command, machine.describe(), studies)
+    if folder is not None:
+        page.write(result, Path(folder))
+    return result
