@@ -5,6 +5,7 @@ include(CMakePackageConfigHelpers)
 set(LIGHTCULL_COMPONENTS base lights)
 install(DIRECTORY include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
   FILES_MATCHING PATTERN "*.h"
+  PATTERN gpu EXCLUDE
   PATTERN image EXCLUDE
   PATTERN render EXCLUDE
   PATTERN virtual_lights EXCLUDE)
@@ -13,6 +14,11 @@ if(LIGHTCULL_RENDER)
   get_directory_property(embree_VERSION_MAJOR DIRECTORY render DEFINITION embree_VERSION_MAJOR)
   install(DIRECTORY include/lightcull/image include/lightcull/render include/lightcull/virtual_lights
     DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/lightcull)
+endif()
+
+if(TARGET lightcull_gpu)
+  list(APPEND LIGHTCULL_COMPONENTS gpu)
+  install(DIRECTORY include/lightcull/gpu DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/lightcull)
 endif()
 
 list(TRANSFORM LIGHTCULL_COMPONENTS PREPEND lightcull_ OUTPUT_VARIABLE targets)

@@ -8,12 +8,11 @@
 #include <cmath>
 #include <vector>
 
+#include "lights/culled_scene.h"
 #include "lights/kernels.h"
-#include "lights/light_groups.h"
 #include "lights/parallel_blocks.h"
 #include "lights/point_order.h"
 #include "lights/range_calibration.h"
-#include "lights/range_tree.h"
 #include "lights/reservoir.h"
 #include "lights/set_count.h"
 
@@ -28,12 +27,14 @@ namespace {
 /// ranges cover, or only those of dim lights, is not left in the dark. Given the ranges of all
 /// others, a group that is accepted alone is chosen with p + (1 - p) q, where q is what the BVH
 /// gives it: that is prob then, whichever way it was chosen.
-class CulledSampler final : public LightSampler {
+class CulledSampler final : public CulledSamplerBase {
   public:
     CulledSampler(const Frame& frame, LightGroups groups, const RandomRanges& ranges)
         : frame_(frame), groups_(std::move(groups)), tree_(groups_.ranged(), ranges) {
         groups_.reorder(tree_.tree().order);
     }
+
+    CulledScene scene() const noexcept override { return {frame_, groups_, tree_}; }
 
     void begin_pass(std::uint64_t pass) override { tree_.begin_pass(pass); }
 

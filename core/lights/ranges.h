@@ -1,8 +1,11 @@
 #pragma once
 
+#include <lightcull/span.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -24,6 +27,8 @@ struct RangedLight {
         return std::max(way.distance - radius, 0.0f);
     }
 };
+static_assert(sizeof(RangedLight) == 20 && alignof(RangedLight) == 4);
+static_assert(offsetof(RangedLight, radius) == 12 && offsetof(RangedLight, intensity) == 16);
 
 /// What a light's range depends on.
 enum class RangeLaw {
@@ -54,6 +59,12 @@ class RandomRanges {
 
     float reach() const noexcept { return reach_; }
     std::uint32_t set_count() const noexcept { return static_cast<std::uint32_t>(ranks_.size()); }
+
+    // What xi() is made from, for other back ends.
+    std::uint32_t key_low() const noexcept { return key_low_; }
+    std::uint32_t key_high() const noexcept { return key_high_; }
+    /// By set, as a fraction of 2^32.
+    Span<const std::uint32_t> ranks() const noexcept { return ranks_; }
 
     /// xi_i of the light in a set: uniform in (0, 1], independent from light to light, and in set s
     /// that of set 0 turned by rank(s) / set_count. The exponent is a full one: 2^-56 can occur.
@@ -115,7 +126,7 @@ class RandomRanges {
     float reach_;
     RangeLaw law_;
     std::uint32_t key_low_ = 0, key_high_ = 0;
-    std::vector<std::uint32_t> ranks_;  ///< by set, as a fraction of 2^32
+    std::vector<std::uint32_t> ranks_;
 };
 
 }  // namespace lightcull

@@ -13,8 +13,12 @@ namespace lightcull {
 /// found in the same one.
 class TreeWalk {
   public:
+    static bool is_first_in_first_out(const SphereTree& tree) noexcept {
+        return tree.nodes.size() <= kRoom;
+    }
+
     explicit TreeWalk(const SphereTree& tree) noexcept
-        : first_in_first_out_(tree.nodes.size() <= kRoom) {
+        : first_in_first_out_(is_first_in_first_out(tree)) {
         *new_nodes() = 0;
         if (!tree.empty()) add(1);
     }

@@ -14,12 +14,15 @@ venv=$build/venv
 packages=(
     ca-certificates cmake g++ ninja-build pkgconf python3 python3-dev python3-venv
     libembree-dev libhwy-dev libimath-dev libopencolorio-dev libopenimageio-dev libtbb-dev
+    glslc libvulkan-dev
 )
 requirement_groups=(build run)
 with_tests=OFF
 if [[ ${1:-} == --tests ]]; then
     with_tests=ON
     packages+=(doctest-dev libbenchmark-dev)
+    # A Vulkan device without a GPU, and what checks the use of it.
+    packages+=(mesa-vulkan-drivers vulkan-validationlayers libspirv-cross-c-shared-dev)
     requirement_groups+=(mitsuba test)
 fi
 

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <lightcull/gpu/vulkan_sampler.h>
+
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include "gpu/vulkan.h"
+
+namespace lightcull {
+
+/// Throws, for an exception of Vulkan that is being handled, an Error that says where and what.
+[[noreturn]] void rethrow_as_error(const std::string& where);
+
+/// A device that can do what the shaders need, with one queue. For one thread at a time.
+class Device {
+  public:
+    /// name_part: as VulkanOptions::device.
+    explicit Device(const std::string& name_part);
+
+    const vk::raii::Device& get() const noexcept { return device_; }
+    const std::string& name() const noexcept { return name_; }
+
+    /// Index of a type of memory among `allowed` (bits) with all of these properties.
+    std::uint32_t memory_type(std::uint32_t allowed, vk::MemoryPropertyFlags wanted) const;
+    /// `bytes`, or Error if a buffer of so many is more than a shader can see.
+    std::size_t checked_size(const std::string& what, std::size_t bytes) const;
+
+    /// Lets the device do what record() puts down, and waits for it. After an Error it may still be
+    /// at work, and is not to be used again.
+    void run(double timeout_seconds,
+             const std::function<void(const vk::raii::CommandBuffer&)>& record);
+    /// Until it is not at work.
+    void wait_idle() const noexcept;
+
+  private:
+    vk::raii::Context context_;
+    vk::raii::Instance instance_;
+    vk::raii::PhysicalDevice physical_;
+    std::string name_;
+    std::uint32_t queue_family_;
+    vk::raii::Device device_;
+    vk::raii::Queue queue_;
+    vk::raii::CommandPool pool_;
+    vk::raii::CommandBuffer commands_;
+    vk::raii::Fence done_;
+};
+
+/// Makes what was written before, by copies or shaders, seen by what comes after.
+void barrier(const vk::raii::CommandBuffer& commands);
+
+}  // namespace lightcull

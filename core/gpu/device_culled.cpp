@@ -1,0 +1,144 @@
+#include "gpu/device_culled.h"
+
+#include <lightcull/error.h>
+
+#include <algorithm>
+#include <cstring>
+#include <string>
+
+#include "gpu/shaders.h"
+#include "lights/sphere_tree_walk.h"
+
+// The records that shaders read; gpu/shaders/records.glsl has the same layouts.
+static_assert(sizeof(lightcull::ShadingPoint) == 52 && sizeof(lightcull::Selection) == 16);
+
+namespace lightcull {
+namespace {
+
+/// Points that are handed over together: enough to keep a large GPU busy.
+constexpr std::size_t kBatch = std::size_t{1} << 17;
+constexpr std::size_t kBytesPerPoint = sizeof(ShadingPoint) + sizeof(float) + sizeof(Selection);
+
+/// Whether the shader reads the node found first next, and how many words it keeps (walk.glsl).
+std::vector<std::uint32_t> walk_constants(const SphereTree& tree, std::uint32_t levels) {
+    if (TreeWalk::is_first_in_first_out(tree)) {
+        return {VK_TRUE, static_cast<std::uint32_t>((tree.nodes.size() + 31) / 32)};
+    }
+    return {VK_FALSE, levels * (SphereNode::kWidth - 1) + 1};
+}
+
+double checked_timeout(const VulkanOptions& options) {
+    constexpr double kMost = 1e6;
+    if (options.timeout_seconds > 0.0 && options.timeout_seconds <= kMost) {
+        return options.timeout_seconds;
+    }
+    throw Error("timeout_seconds is " + std::to_string(options.timeout_seconds) +
+                ", wanted above 0, to 1e6");
+}
+
+void copy(const vk::raii::CommandBuffer& commands, vk::Buffer from, std::size_t from_offset,
+          vk::Buffer to, std::size_t to_offset, std::size_t bytes) {
+    commands.copyBuffer(from, to, vk::BufferCopy(from_offset, to_offset, bytes));
+}
+
+}  // namespace
+
+DeviceCulled::DeviceCulled(const CulledScene& scene, const VulkanOptions& options)
+    : DeviceCulled(scene, BreadthFirst(scene.tree.tree()), options) {
+}
+
+DeviceCulled::DeviceCulled(const CulledScene& scene, const BreadthFirst& breadth_first,
+                           const VulkanOptions& options) try
+    : device_(options.device),
+      frame_(scene.frame),
+      reach_(scene.tree.ranges().reach()),
+      timeout_seconds_(checked_timeout(options)),
+      set_count_(scene.tree.ranges().set_count()),
+      node_count_(static_cast<std::uint32_t>(scene.tree.tree().nodes.size())),
+      level_count_(static_cast<std::uint32_t>(breadth_first.levels.size() - 1)),
+      nodes_(upload(device_, "sphere nodes", scene.tree.tree().nodes)),
+      order_(upload(device_, "the order of nodes", breadth_first.entries)),
+      levels_(upload(device_, "the levels of nodes", breadth_first.levels)),
+      centers_(upload(device_, "the centres of nodes", scene.tree.tree().centers)),
+      records_(upload(device_, "ranged lights", scene.tree.tree().records)),
+      ranks_(upload(device_, "the ranks of sets", scene.tree.ranges().ranks())),
+      groups_(upload(device_, "groups", scene.groups.groups)),
+      bvh_(upload(device_, "light BVH nodes", scene.groups.bvh.nodes)),
+      radii_(device_, "radii", scene.tree.tree().slot_count() * set_count_ * sizeof(float)),
+      around_(device_, "radii of nodes", std::size_t{node_count_} * set_count_ * sizeof(float)),
+      points_(device_, "points", kBatch * sizeof(ShadingPoint)),
+      u_(device_, "random numbers", kBatch * sizeof(float)),
+      selections_(device_, "selections", kBatch * sizeof(Selection)),
+      refit_(device_, shaders::refit(),
+             {&nodes_, &order_, &radii_, &centers_, &records_, &levels_, &ranks_, &around_},
+             sizeof(shaders::RefitJob), {}),
+      select_(device_, shaders::select(),
+              {&nodes_, &order_, &radii_, &groups_, &bvh_, &points_, &u_, &selections_},
+              sizeof(shaders::SelectJob), walk_constants(scene.tree.tree(), level_count_)),
+      staging_(device_, kBatch * kBytesPerPoint) {
+} catch (const vk::Error&) {
+    rethrow_as_error("Vulkan");
+}
+
+void DeviceCulled::refit(const RandomRanges& ranges) {
+    device_.run(timeout_seconds_, [&](const vk::raii::CommandBuffer& commands) {
+        const shaders::RefitJob job{reach_, ranges.key_low(), ranges.key_high(), node_count_,
+                                    level_count_};
+        refit_.dispatch(commands, job, set_count_);
+        barrier(commands);
+    });
+}
+
+void DeviceCulled::select(Span<const ShadingPoint> points, Span<const float> u,
+                          Span<Selection> selections) {
+    for (std::size_t begin = 0; begin < points.size(); begin += kBatch) {
+        const std::size_t count = std::min(points.size() - begin, kBatch);
+        select_some({points.data() + begin, count}, {u.data() + begin, count},
+                    {selections.data() + begin, count});
+    }
+}
+
+void DeviceCulled::select_some(Span<const ShadingPoint> points, Span<const float> u,
+                               Span<Selection> selections) {
+    const std::size_t count = points.size(), points_size = count * sizeof(ShadingPoint),
+                      u_size = count * sizeof(float), u_at = points_size,
+                      selections_at = u_at + u_size, selections_size = count * sizeof(Selection);
+    std::memcpy(staging_.data(), points.data(), points_size);
+    std::memcpy(staging_.data() + u_at, u.data(), u_size);
+    device_.run(timeout_seconds_, [&](const vk::raii::CommandBuffer& commands) {
+        copy(commands, staging_.get(), 0, points_.get(), 0, points_size);
+        copy(commands, staging_.get(), u_at, u_.get(), 0, u_size);
+        barrier(commands);
+        const auto point_count = static_cast<std::uint32_t>(count);
+        const shaders::SelectJob job{frame_.origin, frame_.inv_scale, reach_, point_count,
+                                     node_count_};
+        select_.dispatch(commands, job,
+                         (point_count + shaders::kWorkgroup - 1) / shaders::kWorkgroup);
+        barrier(commands);
+        copy(commands, selections_.get(), 0, staging_.get(), selections_at, selections_size);
+        barrier(commands);
+    });
+    std::memcpy(selections.data(), staging_.data() + selections_at, selections_size);
+}
+
+std::vector<float> DeviceCulled::radii() {
+    std::vector<float> result(radii_.size() / sizeof(float));
+    const StagingBuffer staging(device_, radii_.size());
+    device_.run(timeout_seconds_, [&](const vk::raii::CommandBuffer& commands) {
+        copy(commands, radii_.get(), 0, staging.get(), 0, radii_.size());
+        barrier(commands);
+    });
+    std::memcpy(result.data(), staging.data(), radii_.size());
+    return result;
+}
+
+std::size_t DeviceCulled::memory_size() const noexcept {
+    std::size_t size = kBatch * kBytesPerPoint;
+    for (const Buffer* buffer : {&nodes_, &order_, &levels_, &centers_, &records_, &ranks_,
+                                 &groups_, &bvh_, &radii_, &around_, &points_, &u_, &selections_}) {
+        size += buffer->size();
+    }
+    return size;
+}
+
+}  // namespace lightcull

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <lightcull/float3.h>
+#include <lightcull/span.h>
+
+#include <cstddef>
+#include <cstdint>
+
+/// The shaders as SPIR-V, and what is pushed to them.
+
+namespace lightcull::shaders {
+
+/// Invocations in a workgroup.
+inline constexpr std::uint32_t kWorkgroup = 64;
+
+Span<const std::uint32_t> refit() noexcept;
+struct RefitJob {
+    float reach;
+    std::uint32_t key_low, key_high;
+    std::uint32_t node_count, level_count;
+};
+static_assert(sizeof(RefitJob) == 20 && offsetof(RefitJob, node_count) == 12);
+
+Span<const std::uint32_t> select() noexcept;
+struct SelectJob {
+    float3 origin;
+    float inv_scale;
+    float reach;
+    std::uint32_t point_count, node_count;
+};
+static_assert(sizeof(SelectJob) == 28 && offsetof(SelectJob, point_count) == 20);
+
+}  // namespace lightcull::shaders

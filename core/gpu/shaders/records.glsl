@@ -1,0 +1,79 @@
+// The records of core/lights as they lie in memory. Members that are vectors there are three floats
+// here: a vec3 would be aligned to 16 bytes.
+
+struct Float3 {
+    float x, y, z;
+};
+
+// lights/sphere_tree.h
+struct SphereNode {
+    float x[8], y[8], z[8];
+    uint link[8];
+    float bounds[8];
+};
+const uint kLeaf = 0x80000000u, kEmpty = 0xffffffffu;
+
+// lights/ranges.h
+struct RangedLight {
+    Float3 center;
+    float radius;
+    float intensity;
+};
+
+// lights/light_groups.h
+struct LightGroup {
+    Float3 center;
+    float radius;
+    float spread;
+    float intensity;
+    Float3 axis;
+    float apex;
+    float cosine;
+    Float3 mean_normal;
+    float diffuse;
+    uint child;
+};
+const uint kNoGroup = 0xffffffffu;
+
+// lights/light_bvh.h
+struct MeansNode {
+    float center[3][8];
+    float radius[8];
+    float spread[8];
+    float intensity[8];
+    float axis[3][8];
+    float apex[8];
+    float cosine[8];
+    float mean_normal[3][8];
+    float diffuse[8];
+    uint child[8];
+};
+const uint kLight = 0x80000000u;
+
+// lightcull/light_sampler.h
+struct ShadingPoint {
+    Float3 position;
+    Float3 normal;
+    uint set;
+    float diffuse;
+    Float3 lobe_axis;
+    float lobe_alpha;
+    float lobe_peak;
+};
+
+struct Selection {
+    uint light;
+    float prob;
+    float weight_sum;
+    uint key;
+};
+
+// gpu/breadth_first.h
+struct BreadthFirst {
+    uint node;
+    uint place;
+};
+
+vec3 vec(Float3 v) {
+    return vec3(v.x, v.y, v.z);
+}

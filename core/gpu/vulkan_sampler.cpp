@@ -1,0 +1,106 @@
+#include <lightcull/gpu/vulkan_sampler.h>
+
+#include <lightcull/error.h>
+
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "gpu/device_culled.h"
+#include "lights/culled_scene.h"
+#include "lights/parallel_blocks.h"
+
+namespace lightcull {
+namespace {
+
+class VulkanLightSampler final : public LightSampler {
+  public:
+    VulkanLightSampler(std::unique_ptr<CulledSamplerBase> cpu, const VulkanOptions& options)
+        : cpu_(std::move(cpu)) {
+        // Without any light there is nothing to choose from, nor to upload.
+        if (!cpu_->scene().tree.tree().empty()) device_.emplace(cpu_->scene(), options);
+    }
+
+    void begin_pass(std::uint64_t pass) override {
+        cpu_->begin_pass(pass);
+        if (device_ && failure_.empty()) {
+            try {
+                device_->refit(cpu_->scene().tree.ranges());
+            } catch (const Error& error) {
+                failure_ = error.what();
+            }
+        }
+        if (failure_.empty() || failure_told_) return;
+        failure_told_ = true;
+        throw Error(failure_);
+    }
+
+    Selection select(const ShadingPoint& point, float u) const noexcept override {
+        return cpu_->select(point, u);
+    }
+
+    void select(Span<const ShadingPoint> points, Span<const float> u,
+                Span<Selection> selections) const noexcept override {
+        if (!select_on_device(points, u, selections)) {
+            cpu_->select(points, u, selections);
+            return;
+        }
+        constexpr std::size_t kBlock = 4096;
+        for_each_block(points.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) finish(points[i], selections[i]);
+        });
+    }
+
+    float prob(const ShadingPoint& point, const Receipt& receipt,
+               std::uint32_t light) const noexcept override {
+        return cpu_->prob(point, receipt, light);
+    }
+    std::uint32_t set_count() const noexcept override { return cpu_->set_count(); }
+    SelectionCounts count(const ShadingPoint& point) const noexcept override {
+        return cpu_->count(point);
+    }
+    std::size_t memory_size() const noexcept override {
+        return cpu_->memory_size() + (device_ ? device_->memory_size() : 0);
+    }
+
+  private:
+    /// False if the device did not do it.
+    bool select_on_device(Span<const ShadingPoint> points, Span<const float> u,
+                          Span<Selection> selections) const noexcept {
+        const std::lock_guard lock(mutex_);
+        if (!device_ || !failure_.empty()) return false;
+        try {
+            device_->select(points, u, selections);
+        } catch (const Error& error) {
+            failure_ = error.what();
+            return false;
+        }
+        return true;
+    }
+
+    /// Where at most one group was accepted, few points as a rule, prob() is that of the selection.
+    void finish(const ShadingPoint& point, Selection& selection) const noexcept {
+        if (selection.receipt.weight_sum > 0.0f || selection.prob == 0.0f) return;
+        selection.prob = cpu_->prob(point, selection.receipt, selection.light);
+    }
+
+    std::unique_ptr<CulledSamplerBase> cpu_;
+    mutable std::mutex mutex_;  ///< of what follows
+    mutable std::optional<DeviceCulled> device_;
+    mutable std::string failure_;  ///< of the device, which is not used after it
+    bool failure_told_ = false;
+};
+
+}  // namespace
+
+std::unique_ptr<LightSampler> make_vulkan_sampler(std::unique_ptr<LightSampler> culled,
+                                                  const VulkanOptions& options) {
+    auto* base = dynamic_cast<CulledSamplerBase*>(culled.get());
+    if (base == nullptr) throw Error("Vulkan: of the samplers, only culled runs on a device");
+    culled.release();  // NOLINT(bugprone-unused-return-value): `base` is it
+    return std::make_unique<VulkanLightSampler>(std::unique_ptr<CulledSamplerBase>(base), options);
+}
+
+}  // namespace lightcull

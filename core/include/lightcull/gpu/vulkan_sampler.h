@@ -1,0 +1,42 @@
+#pragma once
+
+#include <lightcull/light_sampler.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace lightcull {
+
+/// A device that Vulkan knows of.
+struct VulkanDevice {
+    std::string name;
+    std::string problem;  ///< why it cannot be used; empty if it can
+};
+
+/// Those of this machine, best first: GPUs of their own, integrated ones, others, processors.
+/// Throws Error where there is no Vulkan.
+std::vector<VulkanDevice> vulkan_devices();
+
+struct VulkanOptions {
+    std::string device;             ///< part of its name; empty: the first that can be used
+    double timeout_seconds = 10.0;  ///< for what the device is given at a time, > 0: some
+                                    ///< hundred thousand points
+};
+
+/// Takes a `culled` sampler, as make_culled_sampler() or make_sampler() give it, to a device, which
+/// from then on chooses for batches as that sampler would: by the same records, the same random
+/// ranges and the same arithmetic, so that all but ties to the last bit fall alike. The other calls
+/// are answered by the sampler itself: select() of one point is not for GPUs. Batches from several
+/// threads are done one after the other.
+///
+/// Throws Error that names what is at fault: a sampler other than `culled`, no Vulkan, no device of
+/// that name, one that cannot be used, or one without enough memory.
+///
+/// If the device fails later (lost, out of memory, no answer in time), select(), which cannot
+/// throw, goes on with the sampler it was made from, whose selections are as good; the next
+/// begin_pass() begins its pass there and then throws Error, once. A host may then go on or stop.
+std::unique_ptr<LightSampler> make_vulkan_sampler(std::unique_ptr<LightSampler> culled,
+                                                  const VulkanOptions& options = {});
+
+}  // namespace lightcull
