@@ -39,8 +39,11 @@ class Row:
     """"camera": what camera rays hit; "scattered": what paths hit after one bounce and after two,
     a batch each; "uniform": uniform in the bounds of the scene, facing anywhere, in any order."""
     sampler: str
+    device: str
+    """As in `LightSampler`."""
     entry: str
-    """"batch": many points in a call, as the renderer asks; "single": one point in a call."""
+    """"batch": many points in a call, as the renderer asks; "single": one point in a call, on the
+    processor alone."""
     target: str
     """Instruction set."""
     threads: int
@@ -73,6 +76,7 @@ def bench(
     size: tuple[int, int] = DEFAULT_SIZE,
     threads: Sequence[int] = DEFAULT_THREADS,
     targets: Sequence[str] | None = None,
+    device: str = "cpu",
     progress: Progress | None = None,
 ) -> Iterator[Row]:
     """Measures what a selection costs each sampler in a scene; `Row` says what is measured.
@@ -82,7 +86,8 @@ def bench(
     the machine's mood. samplers: descriptions as in `LightSampler`. size: of the image whose points
     are taken, pixels; there are as many uniform points. A sampler that weighs every light
     (exhaustive) gets as many as it can take in reasonable time. threads: numbers of threads, each
-    measured. targets: names of instruction sets, each measured; None: the best.
+    measured. targets: names of instruction sets, each measured; None: the best. device: as in
+    `LightSampler`; one that `culled` is measured on as well, in turn with the processor.
 
     Rows come as they are measured. progress: called with what is measured next.
     """
@@ -92,10 +97,12 @@ def bench(
         raise Error(f"threads: wanted numbers from 1 up, got {list(threads)}")
     if scene.bounds is None or len(scene.lights()) == 0:
         raise Error(f"{scene.name}: there are no surfaces or no lights to choose among")
+    if device != "cpu" and not any(map(_runs_on_devices, samplers)):
+        raise Error(f"{device}: none of the samplers is culled, which alone runs there")
     best = _core.instruction_sets()[0]
     try:
         for count in threads:
-            setting = _Setting(scene, size, count, tuple(targets or [best]))
+            setting = _Setting(scene, size, count, tuple(targets or [best]), device)
             yield from _rows(setting, samplers, progress)
     finally:
         _core.use_instruction_set(best)
@@ -107,6 +114,7 @@ class _Setting:
     size: tuple[int, int]
     threads: int
     targets: tuple[str, ...]
+    device: str
 
 
 @dataclass
@@ -123,12 +131,13 @@ class _Times:
 class _Contender:
     """A sampler under test, and its points, which carry its sets."""
 
-    def __init__(self, setting: _Setting, sampler: str) -> None:
+    def __init__(self, setting: _Setting, sampler: str, device: str) -> None:
         self.sampler = sampler
+        self._device = device
         self._setting = setting
         self._light_count = len(setting.scene.lights())
         self._timed = _core.TimedSampler(
-            setting.scene.closed(), sampler, *setting.size, _MAX_DEPTH, setting.threads
+            setting.scene.closed(), sampler, *setting.size, _MAX_DEPTH, setting.threads, device
         )
         self._kind = ""
         self._batches: list[_core.BenchPoints] = []
@@ -154,12 +163,13 @@ class _Contender:
         """Measures everything once more, in the pass of that number."""
         refit = self._timed.begin_pass(number)
         batch = refit + sum(map(self._timed.select_batch, self._batches))
-        single = sum(map(self._timed.select_single, self._batches))
+        if self._device == "cpu":
+            single = sum(map(self._timed.select_single, self._batches))
+            times.selection["single"].append(single / self.point_count)
         rays = [self._timed.trace_shadow_rays(points) for points in self._batches]
         ray_count = sum(count for _, count in rays)
         times.refit.append(refit)
         times.selection["batch"].append(batch / self.point_count)
-        times.selection["single"].append(single / self.point_count)
         if ray_count > 0:
             times.shadow_ray.append(sum(seconds for seconds, _ in rays) / ray_count)
 
@@ -172,6 +182,7 @@ class _Contender:
                 lights=self._light_count,
                 points=self._kind,
                 sampler=self.sampler,
+                device=self._device,
                 entry=entry,
                 target=target,
                 threads=self._setting.threads,
@@ -184,6 +195,7 @@ class _Contender:
                 bytes_per_light=self._timed.memory_size() / self._light_count,
             )
             for entry, seconds in times.selection.items()
+            if seconds
         ]
 
     def _mean_counts(self) -> tuple[float, float]:
@@ -196,6 +208,10 @@ class _Contender:
         )
 
 
+def _runs_on_devices(sampler: str) -> bool:
+    return sampler.split(":")[0] == "culled"
+
+
 def _rows(setting: _Setting, samplers: Sequence[str], progress: Progress | None) -> Iterator[Row]:
     def say(what: str) -> None:
         if progress is not None:
@@ -205,7 +221,9 @@ def _rows(setting: _Setting, samplers: Sequence[str], progress: Progress | None)
     contenders = []
     for sampler in dict.fromkeys(samplers):
         say(f"building {sampler}")
-        contenders.append(_Contender(setting, sampler))
+        contenders.append(_Contender(setting, sampler, "cpu"))
+        if setting.device != "cpu" and _runs_on_devices(sampler):
+            contenders.append(_Contender(setting, sampler, setting.device))
     for kind in POINTS:
         say(f"{kind} points")
         for contender in contenders:

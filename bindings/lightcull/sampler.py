@@ -22,6 +22,9 @@ class LightSampler:
     calibration: positions and normals of some hundred points typical of the use, to set the ranges
     of `culled` by. Without them they are drawn from the bounds of the lights; those of a scene come
     from its camera.
+    device: "cpu"; or, of `culled` alone, "vulkan", the best that Vulkan knows of, or "vulkan:NAME",
+    one whose name holds NAME (`lightcull info` lists them). It chooses as the processor does. If it
+    fails later, selections come from the processor, and the next `begin_pass` raises, once.
 
     Calls release the GIL and may run in any number of threads; a `begin_pass` waits for those that
     are under way. Pass 0 has begun when the sampler is made.
@@ -37,18 +40,20 @@ class LightSampler:
         description: str = "culled",
         *,
         calibration: tuple[np.ndarray, np.ndarray] | None = None,
+        device: str = "cpu",
     ) -> None:
         self.description = checks.text("description", description)
+        checks.text("device", device)
         if isinstance(lights, Scene):
             if calibration is not None:
                 raise TypeError("calibration: a scene brings its own")
-            self._core = _core.sampler_of_scene(lights.closed(), description)
+            self._core = _core.sampler_of_scene(lights.closed(), description, device)
         else:
             positions, normals = _calibration(calibration)
             if getattr(getattr(lights, "dtype", None), "names", None) == _core.LIGHT.names:
                 # What NumPy makes of several arrays of them has another layout in memory.
                 lights = lights.astype(_core.LIGHT, copy=False)
-            self._core = _core.sampler_of_lights(lights, description, positions, normals)
+            self._core = _core.sampler_of_lights(lights, description, positions, normals, device)
 
     def begin_pass(self, number: int) -> None:
         """Draws the random ranges of a pass; equal numbers give equal ranges."""
@@ -158,4 +163,4 @@ def check_description(description: str) -> None:
     """Throws `lightcull.Error` unless it describes a sampler, with what there is."""
     positions = np.zeros((1, 3), np.float32)
     light = _core.point_lights(positions, np.ones(1, np.float32))
-    _core.sampler_of_lights(light, checks.text("sampler", description), positions, None)
+    _core.sampler_of_lights(light, checks.text("sampler", description), positions, None, "cpu")

@@ -6,6 +6,7 @@
 #include "arena.h"
 #include "arrays.h"
 #include "counts.h"
+#include "devices.h"
 #include "module.h"
 
 #include <pybind11/stl.h>
@@ -70,10 +71,11 @@ struct BenchPoints {
 class TimedSampler {
   public:
     TimedSampler(std::shared_ptr<const Scene> scene, const std::string& description,
-                 const RenderSettings& settings)
+                 const RenderSettings& settings, const std::string& device)
         : scene_(std::move(scene)), settings_(settings), arena_(arena_size(settings.threads)) {
-        build_seconds_ =
-            timed([&] { sampler_ = make_scene_sampler(description, *scene_, settings_); });
+        build_seconds_ = timed([&] {
+            sampler_ = on_device(make_scene_sampler(description, *scene_, settings_), device);
+        });
         begin_pass(0);
     }
 
@@ -145,13 +147,14 @@ class TimedSampler {
 std::unique_ptr<TimedSampler> make_timed_sampler(std::shared_ptr<Scene> scene,
                                                  const std::string& description,
                                                  std::uint32_t width, std::uint32_t height,
-                                                 std::uint32_t max_depth, std::uint32_t threads) {
+                                                 std::uint32_t max_depth, std::uint32_t threads,
+                                                 const std::string& device) {
     RenderSettings settings;
     settings.width = width;
     settings.height = height;
     settings.max_depth = max_depth;
     settings.threads = threads;
-    return std::make_unique<TimedSampler>(std::move(scene), description, settings);
+    return std::make_unique<TimedSampler>(std::move(scene), description, settings, device);
 }
 
 std::unique_ptr<BenchPoints> points_from(const TimedSampler& sampler, const py::object& positions,
@@ -177,7 +180,7 @@ void bind_bench(py::module_& module) {
     py::class_<TimedSampler>(module, "TimedSampler")
         .def(py::init(&make_timed_sampler), py::arg("scene"), py::arg("description"),
              py::arg("width"), py::arg("height"), py::arg("max_depth"), py::arg("threads"),
-             Released())
+             py::arg("device") = "cpu", Released())
         .def("begin_pass", &TimedSampler::begin_pass, Released())
         .def("select_batch", &TimedSampler::select_batch, Released())
         .def("select_single", &TimedSampler::select_single, Released())

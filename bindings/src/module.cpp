@@ -11,6 +11,7 @@ PYBIND11_MODULE(_core, module) {
     lightcull::python::bind_renderer(module);
     lightcull::python::bind_virtual_lights(module);
     lightcull::python::bind_bench(module);
+    lightcull::python::bind_devices(module);
     module.attr("VERSION") = LIGHTCULL_VERSION;
     module.attr("BUILD") = LIGHTCULL_BUILD;
 }

@@ -11,5 +11,6 @@ void bind_sampler(pybind11::module_& module);
 void bind_renderer(pybind11::module_& module);
 void bind_virtual_lights(pybind11::module_& module);
 void bind_bench(pybind11::module_& module);
+void bind_devices(pybind11::module_& module);
 
 }  // namespace lightcull::python

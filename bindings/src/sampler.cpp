@@ -1,4 +1,5 @@
 #include "arrays.h"
+#include "devices.h"
 #include "module.h"
 #include "records.h"
 
@@ -220,21 +221,22 @@ py::object point_lights(const py::object& positions, const py::object& intensity
 std::unique_ptr<SharedSampler> sampler_of_lights(const py::object& lights,
                                                  const std::string& description,
                                                  const py::object& positions,
-                                                 const py::object& normals) {
+                                                 const py::object& normals,
+                                                 const std::string& device) {
     const py::buffer_info info = read_array(lights, "lights", {light_dtype(), {-1}});
     const Span<const Light> span(static_cast<const Light*>(info.ptr),
                                  static_cast<std::size_t>(info.size));
     const Points calibration = points_from(positions, normals);
     const py::gil_scoped_release release;
-    return std::make_unique<SharedSampler>(make_sampler(description, span, {calibration, 0}),
-                                           span.size());
+    return std::make_unique<SharedSampler>(
+        on_device(make_sampler(description, span, {calibration, 0}), device), span.size());
 }
 
-std::unique_ptr<SharedSampler> sampler_of_scene(const Scene& scene,
-                                                const std::string& description) {
+std::unique_ptr<SharedSampler> sampler_of_scene(const Scene& scene, const std::string& description,
+                                                const std::string& device) {
     const py::gil_scoped_release release;
-    return std::make_unique<SharedSampler>(make_scene_sampler(description, scene, {}),
-                                           scene.lights().size());
+    return std::make_unique<SharedSampler>(
+        on_device(make_scene_sampler(description, scene, {}), device), scene.lights().size());
 }
 
 }  // namespace

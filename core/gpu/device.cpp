@@ -86,7 +86,8 @@ vk::raii::PhysicalDevice choose(const vk::raii::Instance& instance, const std::s
     std::string known, problems;
     for (vk::raii::PhysicalDevice& device : devices_of(instance)) {
         const std::string name = name_of(device);
-        known += (known.empty() ? "" : ", ") + name;
+        known += known.empty() ? "" : ", ";
+        known += name;
         if (name.find(part) == std::string::npos) continue;
         const std::string problem = problem_of(device);
         if (problem.empty()) return std::move(device);

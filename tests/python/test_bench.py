@@ -19,10 +19,10 @@ from lightcull.scenes.chance import Chance
 Run = Callable[..., Outcome]
 SIZE = (32, 24)
 KEYS = {
-    "scene": str, "lights": int, "points": str, "sampler": str, "entry": str, "target": str,
-    "threads": int, "ns_per_selection": float, "shadow_ray_ns": float, "nodes_per_point": float,
-    "lights_tested_per_point": float, "refit_ns_per_light": float, "build_seconds": float,
-    "bytes_per_light": float,
+    "scene": str, "lights": int, "points": str, "sampler": str, "device": str, "entry": str,
+    "target": str, "threads": int, "ns_per_selection": float, "shadow_ray_ns": float,
+    "nodes_per_point": float, "lights_tested_per_point": float, "refit_ns_per_light": float,
+    "build_seconds": float, "bytes_per_light": float,
 }  # fmt: skip
 """What scripts read."""
 

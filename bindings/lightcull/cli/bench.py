@@ -17,7 +17,7 @@ from rich.table import Table
 
 from .. import scenes
 from .._core import Error
-from ..bench import Row, bench
+from ..bench import ENTRIES, Row, bench
 from ..images import check_output, write_whole_file
 from ..loaders import example_scene, open_scene
 from ..scene import Scene
@@ -59,6 +59,7 @@ def _bench(scene: Scene, options: argparse.Namespace, messages: Console, rows: l
                 size=options.size,
                 threads=options.threads,
                 targets=options.targets,
+                device=options.device,
                 progress=status.update,
             ):
                 rows.append(row)
@@ -97,8 +98,8 @@ def _print(rows: Sequence[Row]) -> None:
         table.add_column("sampler", overflow="fold")
         for heading in _COLUMNS:
             table.add_column(heading, justify="right", no_wrap=True)
-        for sampler, entries in groupby(of_setting, key=lambda row: row.sampler):
-            table.add_row(sampler, *_cells(list(entries)))
+        for name, entries in groupby(of_setting, key=_name):
+            table.add_row(name, *_cells(list(entries)))
         console.print(table)
 
 
@@ -107,9 +108,14 @@ def _setting(row: Row) -> str:
     return f"{row.scene}, {row.lights:,} lights: {row.points} points, {threads}, {row.target}"
 
 
+def _name(row: Row) -> str:
+    return row.sampler if row.device == "cpu" else f"{row.sampler} on {row.device}"
+
+
 def _cells(entries: Sequence[Row]) -> Iterator[str]:
-    for entry in entries:
-        yield _short(entry.ns_per_selection)
+    times = {entry.entry: entry.ns_per_selection for entry in entries}
+    for name in ENTRIES:
+        yield _short(times[name]) if name in times else "-"
     row = entries[0]
     yield "-" if row.shadow_ray_ns is None else _short(row.shadow_ray_ns)
     yield f"{row.nodes_per_point:.1f}"

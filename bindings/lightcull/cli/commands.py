@@ -16,7 +16,7 @@ from rich.box import SIMPLE
 from rich.console import Console
 from rich.table import Table
 
-from .. import memory
+from .. import _core, memory
 from .._core import Error
 from ..compare import compare
 from ..images import apply_view, check_format, check_output, check_writable, make_folder
@@ -180,10 +180,23 @@ def _info(options: argparse.Namespace, arguments: Sequence[str], messages: Conso
     # Before anything else takes memory that a render does not.
     need = memory.of_render(RenderJob(scene, options.sampler, settings), settings.size)
     table = Table(show_header=False, box=None)
-    for name, value in (*_facts(scene), ("memory", _memory(need, options.sampler, settings))):
+    memory_fact = ("memory", _memory(need, options.sampler, settings))
+    for name, value in (*_facts(scene), memory_fact, *_devices()):
         table.add_row(name, value)
     Console(highlight=False).print(table)
     return True
+
+
+def _devices() -> Iterator[tuple[str, str]]:
+    """What selections can run on."""
+    yield "device", f"cpu: {_core.instruction_set()}"
+    try:
+        devices = _core.vulkan_devices()
+    except Error as error:
+        yield "no device", str(error)
+        return
+    for name, problem in devices:
+        yield "no device" if problem else "device", ": ".join(filter(None, ("vulkan", name, problem)))
 
 
 def _memory(need: memory.Need, sampler: str, settings: RenderSettings) -> str:

@@ -156,6 +156,12 @@ def _add_bench(parser: argparse.ArgumentParser) -> None:
         metavar="A,B,...",
         help="instruction sets, or all; default: the best that this machine has",
     )
+    parser.add_argument(
+        "--device",
+        default="cpu",
+        metavar="DEVICE",
+        help="where culled is measured as well: vulkan, or vulkan:NAME for one whose name holds NAME",
+    )
     parser.add_argument("--json", metavar="FILE", help="file to write the rows to")
 
 

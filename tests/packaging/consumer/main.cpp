@@ -2,10 +2,14 @@
 
 #include <lightcull/image/image.h>
 #include <lightcull/render/renderer.h>
+#ifdef WITH_GPU
+#include <lightcull/gpu/vulkan_sampler.h>
+#endif
 
 #include <array>
 #include <iostream>
 #include <memory>
+#include <utility>
 
 int main() {
     const std::array<lightcull::float3, 3> positions{{{-9, -9, 0}, {9, -9, 0}, {0, 9, 0}}};
@@ -23,6 +27,9 @@ int main() {
     lightcull::RenderSettings settings;
     settings.width = settings.height = 4;
     auto sampler = lightcull::make_scene_sampler("culled", *scene, settings);
+#ifdef WITH_GPU
+    sampler = lightcull::make_vulkan_sampler(std::move(sampler));
+#endif
     lightcull::Renderer renderer(scene, settings, std::move(sampler));
     renderer.render_pass();
     const lightcull::Image image{4, 4, renderer.image()};

@@ -1,0 +1,78 @@
+"""Selections on another device than the processor, and what the command line says of devices."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import lightcull
+import numpy as np
+import pytest
+from conftest import Outcome, make_room
+from lightcull import _core
+from lightcull.bench import bench
+
+Run = Callable[..., Outcome]
+
+rng = np.random.default_rng(9)
+LIGHTS = lightcull.point_lights(
+    rng.random((400, 3), dtype=np.float32), rng.random(400, dtype=np.float32)
+)
+POSITIONS = rng.random((3000, 3), dtype=np.float32)
+U = rng.random(3000, dtype=np.float32)
+
+
+def test_a_device_chooses_as_the_processor_does() -> None:
+    cpu, gpu = (
+        lightcull.LightSampler(LIGHTS, "culled:sets=4", device=device) for device in ("cpu", "vulkan")
+    )
+    for number in (0, 5):
+        cpu.begin_pass(number)
+        gpu.begin_pass(number)
+        expected, chosen = (sampler.select(POSITIONS, None, U) for sampler in (cpu, gpu))
+        same = expected["light"] == chosen["light"]
+        assert np.mean(~same) <= 1e-4
+        np.testing.assert_allclose(chosen["prob"][same], expected["prob"][same], rtol=1e-5)
+        probs = gpu.prob(POSITIONS, None, chosen, np.ascontiguousarray(chosen["light"]))
+        np.testing.assert_allclose(probs, chosen["prob"], rtol=1e-5)
+
+
+def test_a_device_is_named_by_a_part_of_its_name() -> None:
+    (name, problem), *_ = _core.vulkan_devices()
+    assert name and not problem
+    lightcull.LightSampler(LIGHTS, device=f"vulkan:{name[1:]}")
+
+
+@pytest.mark.parametrize(
+    ("description", "device", "message"),
+    [
+        ("culled", "cuda", "device 'cuda': unknown; there are cpu, vulkan and vulkan:NAME"),
+        ("culled", "vulkan:none such", "Vulkan: no device 'none such'; there are: "),
+        ("power", "vulkan", "Vulkan: of the samplers, only culled runs on a device"),
+    ],
+)
+def test_bad_devices(description: str, device: str, message: str) -> None:
+    with pytest.raises(lightcull.Error, match=message):
+        lightcull.LightSampler(LIGHTS, description, device=device)
+
+
+def test_a_device_is_measured_beside_the_processor() -> None:
+    rows = list(
+        bench(make_room(), ["power", "culled"], size=(16, 12), threads=(1,), device="vulkan")
+    )
+    of_camera = [(row.sampler, row.device, row.entry) for row in rows if row.points == "camera"]
+    assert of_camera == [
+        ("power", "cpu", "batch"),
+        ("power", "cpu", "single"),
+        ("culled", "cpu", "batch"),
+        ("culled", "cpu", "single"),
+        ("culled", "vulkan", "batch"),
+    ]
+    assert all(row.ns_per_selection > 0 for row in rows)
+    with pytest.raises(lightcull.Error, match="vulkan: none of the samplers is culled"):
+        list(bench(make_room(), ["power"], device="vulkan"))
+
+
+def test_info_names_the_devices(main_here: Run) -> None:
+    said = main_here("info", "cornell").stdout
+    assert f"cpu: {_core.instruction_set()}" in said
+    assert f"vulkan: {_core.vulkan_devices()[0][0]}" in said
