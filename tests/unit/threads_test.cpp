@@ -129,7 +129,7 @@ TEST_CASE("threads: passes begin while nobody selects, each on another thread") 
     for (const char* description : {"culled", "paper:sets=4", "light_bvh"}) {
         CAPTURE(description);
         const auto sampler = make_sampler(description, lights);
-        for (const std::uint64_t pass : {5, 6, 5}) {
+        for (const std::uint64_t pass : {5u, 6u, 5u}) {
             std::thread([&] { sampler->begin_pass(pass); }).join();
             std::vector<Answers> answers(4);
             on_threads(4, [&](std::uint32_t i) { answers[i] = Answers::of(*sampler, 300); });
