@@ -112,8 +112,7 @@ ShadingPoint take_point(Input& input, std::uint32_t set_count) {
 void check(const LightSampler& sampler, const ShadingPoint& point, const Selection& chosen,
            std::size_t light_count) {
     require(chosen.prob >= 0.0f && chosen.prob <= 1.0001f, "prob is in [0, 1]");
-    require(chosen.receipt.weight_sum >= 0.0f && std::isfinite(chosen.receipt.weight_sum),
-            "weight_sum is finite and >= 0");
+    require(std::isfinite(chosen.receipt.weight_sum), "weight_sum is finite");
     if (chosen.prob == 0.0f) return;
     require(chosen.light < light_count, "the light is one of them");
     if (sampler.prob_is_proxy()) return;
