@@ -87,7 +87,8 @@ def bench(
     are taken, pixels; there are as many uniform points. A sampler that weighs every light
     (exhaustive) gets as many as it can take in reasonable time. threads: numbers of threads, each
     measured. targets: names of instruction sets, each measured; None: the best. device: as in
-    `LightSampler`; one that `culled` is measured on as well, in turn with the processor.
+    `LightSampler`; one that `culled` and `paper` are measured on as well, in turn with the
+    processor.
 
     Rows come as they are measured. progress: called with what is measured next.
     """
@@ -98,7 +99,7 @@ def bench(
     if scene.bounds is None or len(scene.lights()) == 0:
         raise Error(f"{scene.name}: there are no surfaces or no lights to choose among")
     if device != "cpu" and not any(map(_runs_on_devices, samplers)):
-        raise Error(f"{device}: none of the samplers is culled, which alone runs there")
+        raise Error(f"{device}: none of the samplers is culled or paper, which alone run there")
     best = _core.instruction_sets()[0]
     try:
         for count in threads:
@@ -209,7 +210,7 @@ class _Contender:
 
 
 def _runs_on_devices(sampler: str) -> bool:
-    return sampler.split(":")[0] == "culled"
+    return sampler.split(":")[0] in ("culled", "paper")
 
 
 def _rows(setting: _Setting, samplers: Sequence[str], progress: Progress | None) -> Iterator[Row]:

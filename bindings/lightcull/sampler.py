@@ -22,9 +22,10 @@ class LightSampler:
     calibration: positions and normals of some hundred points typical of the use, to set the ranges
     of `culled` by. Without them they are drawn from the bounds of the lights; those of a scene come
     from its camera.
-    device: "cpu"; or, of `culled` alone, "vulkan", the best that Vulkan knows of, or "vulkan:NAME",
-    one whose name holds NAME (`lightcull info` lists them). It chooses as the processor does. If it
-    fails later, selections come from the processor, and the next `begin_pass` raises, once.
+    device: "cpu"; or, of `culled` and `paper`, "vulkan", the best that Vulkan knows of, or
+    "vulkan:NAME", one whose name holds NAME (`lightcull info` lists them). It chooses as the
+    processor does. If it fails later, selections come from the processor, and the next `begin_pass`
+    raises, once.
 
     Calls release the GIL and may run in any number of threads; a `begin_pass` waits for those that
     are under way. Pass 0 has begun when the sampler is made.

@@ -91,7 +91,8 @@ vk::raii::PhysicalDevice choose(const vk::raii::Instance& instance, const std::s
         if (name.find(part) == std::string::npos) continue;
         const std::string problem = problem_of(device);
         if (problem.empty()) return std::move(device);
-        problems += (problems.empty() ? "" : "; ") + name + ": " + problem;
+        problems += problems.empty() ? "" : "; ";
+        problems.append(name).append(": ").append(problem);
     }
     if (!problems.empty()) throw Error("Vulkan: no device that can be used (" + problems + ")");
     throw Error("Vulkan: no device '" + part + "'; there are: " + known);
@@ -163,6 +164,13 @@ std::size_t Device::checked_size(const std::string& what, std::size_t bytes) con
     if (bytes <= most) return bytes;
     throw Error(name_ + ": " + what + " take " + std::to_string(bytes) + " bytes, more than the " +
                 std::to_string(most) + " of a buffer");
+}
+
+void Device::check_shared_memory(std::size_t bytes) const {
+    const std::size_t most = physical_.getProperties().limits.maxComputeSharedMemorySize;
+    if (bytes <= most) return;
+    throw Error(name_ + ": the lists of a workgroup take " + std::to_string(bytes) +
+                " bytes, more than the " + std::to_string(most) + " that it shares");
 }
 
 void Device::run(double timeout_seconds,

@@ -27,6 +27,9 @@ class Device {
     /// `bytes`, or Error if a buffer of so many is more than a shader can see.
     std::size_t checked_size(const std::string& what, std::size_t bytes) const;
 
+    /// Throws Error if a workgroup has not as many bytes to share.
+    void check_shared_memory(std::size_t bytes) const;
+
     /// Lets the device do what record() puts down, and waits for it. After an Error it may still be
     /// at work, and is not to be used again.
     void run(double timeout_seconds,

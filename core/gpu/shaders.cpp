@@ -9,6 +9,9 @@ constexpr std::uint32_t kRefit[] = {
 constexpr std::uint32_t kSelect[] = {
 #include "select.inc"
 };
+constexpr std::uint32_t kPaper[] = {
+#include "paper.inc"
+};
 
 }  // namespace
 
@@ -17,6 +20,9 @@ Span<const std::uint32_t> refit() noexcept {
 }
 Span<const std::uint32_t> select() noexcept {
     return kSelect;
+}
+Span<const std::uint32_t> paper() noexcept {
+    return kPaper;
 }
 
 }  // namespace lightcull::shaders

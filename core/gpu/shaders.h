@@ -10,9 +10,6 @@
 
 namespace lightcull::shaders {
 
-/// Invocations in a workgroup.
-inline constexpr std::uint32_t kWorkgroup = 64;
-
 Span<const std::uint32_t> refit() noexcept;
 struct RefitJob {
     float reach;
@@ -21,7 +18,12 @@ struct RefitJob {
 };
 static_assert(sizeof(RefitJob) == 20 && offsetof(RefitJob, node_count) == 12);
 
+/// `culled`, and `paper`. Invocations in a workgroup.
 Span<const std::uint32_t> select() noexcept;
+Span<const std::uint32_t> paper() noexcept;
+inline constexpr std::uint32_t kSelectWorkgroup = 64, kPaperWorkgroup = 32;
+/// Bytes, of the list of `paper`.
+inline constexpr std::uint32_t kListEntrySize = 12;
 struct SelectJob {
     float3 origin;
     float inv_scale;

@@ -8,8 +8,7 @@
 #include <string>
 #include <utility>
 
-#include "gpu/device_culled.h"
-#include "lights/culled_scene.h"
+#include "gpu/device_sampler.h"
 #include "lights/parallel_blocks.h"
 
 namespace lightcull {
@@ -17,17 +16,19 @@ namespace {
 
 class VulkanLightSampler final : public LightSampler {
   public:
-    VulkanLightSampler(std::unique_ptr<CulledSamplerBase> cpu, const VulkanOptions& options)
-        : cpu_(std::move(cpu)) {
+    /// frame, tree: of `cpu`.
+    VulkanLightSampler(std::unique_ptr<LightSampler> cpu, const Frame& frame, const RangeTree& tree,
+                       const Chooser& chooser, const VulkanOptions& options)
+        : cpu_(std::move(cpu)), tree_(tree) {
         // Without any light there is nothing to choose from, nor to upload.
-        if (!cpu_->scene().tree.tree().empty()) device_.emplace(cpu_->scene(), options);
+        if (!tree.tree().empty()) device_.emplace(frame, tree, chooser, options);
     }
 
     void begin_pass(std::uint64_t pass) override {
         cpu_->begin_pass(pass);
         if (device_ && failure_.empty()) {
             try {
-                device_->refit(cpu_->scene().tree.ranges());
+                device_->refit(tree_.ranges());
             } catch (const Error& error) {
                 failure_ = error.what();
             }
@@ -57,6 +58,11 @@ class VulkanLightSampler final : public LightSampler {
                std::uint32_t light) const noexcept override {
         return cpu_->prob(point, receipt, light);
     }
+    bool prob_is_proxy() const noexcept override { return cpu_->prob_is_proxy(); }
+    float vertex_prob(const ShadingPoint& point, const Receipt& receipt, std::uint32_t light,
+                      const float3& vertex) const noexcept override {
+        return cpu_->vertex_prob(point, receipt, light, vertex);
+    }
     std::uint32_t set_count() const noexcept override { return cpu_->set_count(); }
     SelectionCounts count(const ShadingPoint& point) const noexcept override {
         return cpu_->count(point);
@@ -80,27 +86,37 @@ class VulkanLightSampler final : public LightSampler {
         return true;
     }
 
-    /// Where at most one group was accepted, few points as a rule, prob() is that of the selection.
+    /// Where `culled` accepted one group at most, few points as a rule, prob() is that of the
+    /// selection.
     void finish(const ShadingPoint& point, Selection& selection) const noexcept {
         if (selection.receipt.weight_sum > 0.0f || selection.prob == 0.0f) return;
         selection.prob = cpu_->prob(point, selection.receipt, selection.light);
     }
 
-    std::unique_ptr<CulledSamplerBase> cpu_;
+    std::unique_ptr<LightSampler> cpu_;
+    const RangeTree& tree_;
     mutable std::mutex mutex_;  ///< of what follows
-    mutable std::optional<DeviceCulled> device_;
+    mutable std::optional<DeviceSampler> device_;
     mutable std::string failure_;  ///< of the device, which is not used after it
     bool failure_told_ = false;
 };
 
 }  // namespace
 
-std::unique_ptr<LightSampler> make_vulkan_sampler(std::unique_ptr<LightSampler> culled,
+std::unique_ptr<LightSampler> make_vulkan_sampler(std::unique_ptr<LightSampler> sampler,
                                                   const VulkanOptions& options) {
-    auto* base = dynamic_cast<CulledSamplerBase*>(culled.get());
-    if (base == nullptr) throw Error("Vulkan: of the samplers, only culled runs on a device");
-    culled.release();  // NOLINT(bugprone-unused-return-value): `base` is it
-    return std::make_unique<VulkanLightSampler>(std::unique_ptr<CulledSamplerBase>(base), options);
+    if (const auto* culled = dynamic_cast<const CulledSamplerBase*>(sampler.get())) {
+        const CulledScene scene = culled->scene();
+        return std::make_unique<VulkanLightSampler>(std::move(sampler), scene.frame, scene.tree,
+                                                    chooser_of(scene), options);
+    }
+    const auto* paper = dynamic_cast<const PaperSamplerBase*>(sampler.get());
+    if (paper != nullptr && paper->scene().list_size > 0) {
+        const PaperScene scene = paper->scene();
+        return std::make_unique<VulkanLightSampler>(std::move(sampler), scene.tree.frame(),
+                                                    scene.tree.tree(), chooser_of(scene), options);
+    }
+    throw Error("Vulkan: of the samplers, only culled and paper (with a list) run on a device");
 }
 
 }  // namespace lightcull

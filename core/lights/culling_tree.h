@@ -32,6 +32,10 @@ class CullingTree {
     const RangeTree& tree() const noexcept { return tree_; }
     const LightRecord& record(std::uint32_t record) const noexcept { return records_[record]; }
 
+    // By record, for back ends.
+    const std::vector<LightRecord>& records() const noexcept { return records_; }
+    const std::vector<std::uint32_t>& lights() const noexcept { return lights_; }
+
     static constexpr std::uint32_t kNoRecord = 0xffffffffu;
     /// kNoRecord for a light of intensity 0.
     std::uint32_t to_record(std::uint32_t light) const noexcept { return record_of_[light]; }

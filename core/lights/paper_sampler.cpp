@@ -5,7 +5,7 @@
 #include <cmath>
 #include <string>
 
-#include "lights/culling_tree.h"
+#include "lights/paper_scene.h"
 #include "lights/range_calibration.h"
 #include "lights/reservoir.h"
 #include "lights/set_count.h"
@@ -48,7 +48,7 @@ class LightList {
 
 /// [TH16] Alg. 2 with one shadow ray (section 5.3.2), and the departures from it one by one. For
 /// Eq. 9 it takes importance(), as all samplers do: the corners of a triangle are the caller's.
-class PaperSampler final : public LightSampler {
+class PaperSampler final : public PaperSamplerBase {
   public:
     PaperSampler(const LightTable& table, float reach, const PaperOptions& options)
         : tree_(table, RandomRanges(reach, options.set_count)),
@@ -64,6 +64,10 @@ class PaperSampler final : public LightSampler {
     }
 
     using LightSampler::select;
+
+    PaperScene scene() const noexcept override {
+        return {tree_, range_at_vertex_, weight_by_g_, list_size_};
+    }
 
     void begin_pass(std::uint64_t pass) override { tree_.begin_pass(pass); }
 

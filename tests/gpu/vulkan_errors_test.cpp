@@ -67,8 +67,11 @@ TEST_CASE("the devices of this machine are listed, and one of them can be used")
 }
 
 TEST_CASE("set-up says in one line what is at fault") {
+    CHECK(error_of([] {
+              make_vulkan_sampler(make_sampler("paper:list=0", mixed_lights(9, 75)));
+          }) == "Vulkan: of the samplers, only culled and paper (with a list) run on a device");
     CHECK(error_of([] { make_vulkan_sampler(make_sampler("power", mixed_lights(9, 75))); }) ==
-          "Vulkan: of the samplers, only culled runs on a device");
+          "Vulkan: of the samplers, only culled and paper (with a list) run on a device");
     VulkanOptions options;
     options.device = "no such";
     CHECK(error_of([&] {

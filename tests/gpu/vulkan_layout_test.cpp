@@ -14,6 +14,7 @@
 #include "gpu/breadth_first.h"
 #include "gpu/shaders.h"
 #include "lights/light_groups.h"
+#include "lights/light_record.h"
 #include "lights/ranges.h"
 #include "lights/sphere_tree.h"
 
@@ -142,6 +143,16 @@ TEST_CASE("shaders have the records of the processor as they lie") {
                   OFFSET(SelectJob, point_count), OFFSET(SelectJob, node_count)},
                  sizeof(SelectJob)});
 
+    const Reflection paper(shaders::paper());
+    CHECK(paper.of_binding(0) == node_layout());
+    // From the axis on, two 16-bit numbers to a word.
+    constexpr unsigned kAxis = OFFSET(LightRecord, axis);
+    CHECK(paper.of_binding(3) == Layout{{OFFSET(LightRecord, center), OFFSET(LightRecord, radius),
+                                         OFFSET(LightRecord, intensity), kAxis, kAxis + 4,
+                                         OFFSET(LightRecord, cos_theta_e)},
+                                        sizeof(LightRecord)});
+    CHECK(paper.of_push_constants() == select.of_push_constants());
+
     const Reflection refit(shaders::refit());
     CHECK(refit.of_binding(0) == node_layout());
     CHECK(refit.of_binding(1) == order_layout());
@@ -160,7 +171,8 @@ TEST_CASE("shaders have the records of the processor as they lie") {
 TEST_CASE("no arithmetic of a shader may be contracted") {
     constexpr SpvOp kRounded[] = {SpvOpFAdd, SpvOpFSub, SpvOpFMul,
                                   SpvOpFDiv, SpvOpDot,  SpvOpVectorTimesScalar};
-    for (const Span<const std::uint32_t> code : {shaders::select(), shaders::refit()}) {
+    for (const Span<const std::uint32_t> code :
+         {shaders::select(), shaders::paper(), shaders::refit()}) {
         constexpr std::size_t kHeader = 5;
         std::set<std::uint32_t> fixed, computed;
         for (std::size_t i = kHeader; i < code.size(); i += code[i] >> SpvWordCountShift) {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "../unit/test_lights.h"
-#include "gpu/device_culled.h"
+#include "gpu/device_sampler.h"
 
 using namespace lightcull;
 using namespace lightcull::testing;
@@ -16,10 +16,11 @@ TEST_CASE("a device refits radii to the processor's") {
         CAPTURE(description);
         const auto sampler = make_sampler(description, mixed_lights(5'000, 74, 6.0f));
         const auto& culled = dynamic_cast<const CulledSamplerBase&>(*sampler);
-        DeviceCulled device(culled.scene(), {});
+        const CulledScene scene = culled.scene();
+        DeviceSampler device(scene.frame, scene.tree, chooser_of(scene), {});
         for (const std::uint64_t pass : {0u, 7u}) {
             sampler->begin_pass(pass);
-            const RangeTree& tree = culled.scene().tree;
+            const RangeTree& tree = scene.tree;
             device.refit(tree.ranges());
             const std::vector<float> radii = device.radii();
             const std::size_t slots = tree.tree().slot_count();

@@ -83,6 +83,38 @@ TEST_CASE("a device chooses the light that the processor chooses, with its proba
     }
 }
 
+TEST_CASE("a device keeps the paper's list as the processor does") {
+    for (const Case& scene :
+         {Case{20, "paper"}, Case{2'000, "paper:error_bound=auto:list=4:sets=4"},
+          Case{2'000, "paper:list=64"},
+          Case{2'000, "paper:error_bound=auto:test=light:weight=g_over_p"}}) {
+        CAPTURE(scene.description);
+        const std::vector<Light> lights = mixed_lights(scene.lights, 79, 6.0f);
+        const auto cpu = make_sampler(scene.description, lights);
+        const auto gpu = make_vulkan_sampler(make_sampler(scene.description, lights));
+        for (LightSampler* sampler : {cpu.get(), gpu.get()}) sampler->begin_pass(3);
+        const auto points = mixed_points(point_count(), 73, cpu->set_count());
+        const auto u = random_numbers(points.size());
+        std::vector<Selection> expected(points.size()), selected(points.size());
+        cpu->select(points, u, expected);
+        gpu->select(points, u, selected);
+        std::size_t different = 0, found = 0;
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            found += expected[i].prob > 0.0f ? 1 : 0;
+            const bool same =
+                selected[i].light == expected[i].light &&
+                is_near(selected[i].prob, expected[i].prob) &&
+                is_near(selected[i].receipt.weight_sum, expected[i].receipt.weight_sum);
+            different += same ? 0 : 1;
+        }
+        MESSAGE(std::string(scene.description)
+                << ": " << different << " of " << points.size() << " selections differ");
+        CHECK(static_cast<double>(different) <= 1e-4 * static_cast<double>(points.size()));
+        CHECK(2 * found > points.size());
+        CHECK(gpu->prob_is_proxy() == cpu->prob_is_proxy());
+    }
+}
+
 TEST_CASE("few selections are so close that a device may decide them otherwise") {
     const auto sampler = make_sampler("culled:sets=16", mixed_lights(1'000, 72, 6.0f));
     sampler->begin_pass(3);

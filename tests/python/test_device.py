@@ -23,7 +23,8 @@ U = rng.random(3000, dtype=np.float32)
 
 def test_a_device_chooses_as_the_processor_does() -> None:
     cpu, gpu = (
-        lightcull.LightSampler(LIGHTS, "culled:sets=4", device=device) for device in ("cpu", "vulkan")
+        lightcull.LightSampler(LIGHTS, "culled:sets=4", device=device)
+        for device in ("cpu", "vulkan")
     )
     for number in (0, 5):
         cpu.begin_pass(number)
@@ -47,7 +48,7 @@ def test_a_device_is_named_by_a_part_of_its_name() -> None:
     [
         ("culled", "cuda", "device 'cuda': unknown; there are cpu, vulkan and vulkan:NAME"),
         ("culled", "vulkan:none such", "Vulkan: no device 'none such'; there are: "),
-        ("power", "vulkan", "Vulkan: of the samplers, only culled runs on a device"),
+        ("power", "vulkan", "Vulkan: of the samplers, only culled and paper"),
     ],
 )
 def test_bad_devices(description: str, device: str, message: str) -> None:
@@ -68,7 +69,7 @@ def test_a_device_is_measured_beside_the_processor() -> None:
         ("culled", "vulkan", "batch"),
     ]
     assert all(row.ns_per_selection > 0 for row in rows)
-    with pytest.raises(lightcull.Error, match="vulkan: none of the samplers is culled"):
+    with pytest.raises(lightcull.Error, match="vulkan: none of the samplers is culled or paper"):
         list(bench(make_room(), ["power"], device="vulkan"))
 
 

@@ -196,7 +196,8 @@ def _devices() -> Iterator[tuple[str, str]]:
         yield "no device", str(error)
         return
     for name, problem in devices:
-        yield "no device" if problem else "device", ": ".join(filter(None, ("vulkan", name, problem)))
+        what = ": ".join(filter(None, ("vulkan", name, problem)))
+        yield "no device" if problem else "device", what
 
 
 def _memory(need: memory.Need, sampler: str, settings: RenderSettings) -> str:

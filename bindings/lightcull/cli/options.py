@@ -160,7 +160,8 @@ def _add_bench(parser: argparse.ArgumentParser) -> None:
         "--device",
         default="cpu",
         metavar="DEVICE",
-        help="where culled is measured as well: vulkan, or vulkan:NAME for one whose name holds NAME",
+        help="where culled and paper are measured as well: vulkan, or vulkan:NAME for one whose "
+        "name holds NAME",
     )
     parser.add_argument("--json", metavar="FILE", help="file to write the rows to")
 

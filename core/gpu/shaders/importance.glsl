@@ -1,27 +1,5 @@
 // lights/cluster_importance-inl.h for one cluster and one point.
 
-struct Receiver {
-    vec3 position;
-    vec3 normal;
-    float from_all_sides;
-    float horizon;
-    float diffuse;
-    vec3 axis;
-    float alpha2;
-    float peak;
-};
-
-struct Way {
-    vec3 way;
-    float distance2;
-    float height;
-};
-
-Way way_to(vec3 center, Receiver point) {
-    precise vec3 way = center - point.position;
-    return Way(way, dot3(way, way), dot3(point.normal, way));
-}
-
 // -1 for a cluster of which all is two-sided, else 1.
 float two_sided(LightGroup cluster) {
     return uintBitsToFloat((floatBitsToUint(cluster.diffuse) & 0x80000000u) | 0x3f800000u);

@@ -20,6 +20,16 @@ struct RangedLight {
     float intensity;
 };
 
+// lights/light_record.h, two 16-bit numbers to a word
+struct LightRecord {
+    Float3 center;
+    float radius;
+    float intensity;
+    uint axis_xy;
+    uint axis_z_cos_theta_o;
+    uint cos_theta_e_two_sided;
+};
+
 // lights/light_groups.h
 struct LightGroup {
     Float3 center;

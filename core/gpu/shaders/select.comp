@@ -26,11 +26,10 @@ layout(push_constant, std430) uniform Job {
 } job;
 
 #include "numbers.glsl"
+#include "receiver.glsl"
 #include "importance.glsl"
 #include "walk.glsl"
 #include "descend.glsl"
-
-const float kHorizonOfNodes = 2.0;
 
 // What a Reservoir of groups holds.
 struct Choice {
@@ -40,41 +39,12 @@ struct Choice {
     uint accepted;  // groups so far
 };
 
-Receiver receiver_of(ShadingPoint point) {
-    precise vec3 x = (vec(point.position) - vec(job.origin)) * job.inv_scale;
-    precise float rounding = 1e-6 * (1.0 + abs(x.x) + abs(x.y) + abs(x.z));
-    const vec3 normal = vec(point.normal);
-    const bool volume = normal == vec3(0);
-    precise float alpha2 = point.lobe_alpha * point.lobe_alpha;
-    return Receiver(x, normal, volume ? 4.0 : 0.0, volume ? -1e30 : -rounding, point.diffuse,
-                    vec(point.lobe_axis), alpha2, point.lobe_peak);
-}
-
-// Whether the point is within a slot's sphere, and what it holds is not below the horizon.
-bool concerns(uint node, uint slot, float radius, Receiver point) {
-    const vec3 center = vec3(nodes[node].x[slot], nodes[node].y[slot], nodes[node].z[slot]);
-    const Way way = way_to(center, point);
-    precise float radius2 = radius * abs(radius);
-    precise float top = way.height + nodes[node].bounds[slot];
-    precise float horizon = kHorizonOfNodes * point.horizon;
-    return way.distance2 <= radius2 && top > horizon;
-}
-
-float random_number(uint u_bits, uint record) {
-    precise float random =
-        to_float(scramble(u_bits ^ (record * 0x9e3779b9u))) * (1.0 / 4294967296.0);
-    return min(random, 1.0 - 1.0 / 8388608.0);
-}
-
 void weigh(uint record, Receiver point, uint u_bits, inout Choice choice) {
     const LightGroup group = groups[record];
     const Way way = way_to(vec(group.center), point);
     const float g = importance(group, point, way);
     if (!(g > 0.0)) return;
-    precise float limit = job.reach * group.intensity;
-    precise float inverse_limit = 1.0 / max(limit, 1e-36);
-    precise float distance = max(sqrt(way.distance2) - group.radius, 0.0);
-    precise float inverse_prob = max(distance * distance * inverse_limit, 1.0);
+    const float inverse_prob = inverse_prob_of(group.radius, group.intensity, way.distance2);
     precise float weight = g * inverse_prob;
     precise float sum = choice.weight_sum + weight;
     choice.weight_sum = sum;

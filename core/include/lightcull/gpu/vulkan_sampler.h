@@ -24,19 +24,19 @@ struct VulkanOptions {
                                     ///< hundred thousand points
 };
 
-/// Takes a `culled` sampler, as make_culled_sampler() or make_sampler() give it, to a device, which
+/// Takes a sampler, `culled` or `paper` with a list, as make_sampler() gives it, to a device, which
 /// from then on chooses for batches as that sampler would: by the same records, the same random
 /// ranges and the same arithmetic, so that all but ties to the last bit fall alike. The other calls
 /// are answered by the sampler itself: select() of one point is not for GPUs. Batches from several
 /// threads are done one after the other.
 ///
-/// Throws Error that names what is at fault: a sampler other than `culled`, no Vulkan, no device of
+/// Throws Error that names what is at fault: another sampler, no Vulkan, no device of
 /// that name, one that cannot be used, or one without enough memory.
 ///
 /// If the device fails later (lost, out of memory, no answer in time), select(), which cannot
 /// throw, goes on with the sampler it was made from, whose selections are as good; the next
 /// begin_pass() begins its pass there and then throws Error, once. A host may then go on or stop.
-std::unique_ptr<LightSampler> make_vulkan_sampler(std::unique_ptr<LightSampler> culled,
+std::unique_ptr<LightSampler> make_vulkan_sampler(std::unique_ptr<LightSampler> sampler,
                                                   const VulkanOptions& options = {});
 
 }  // namespace lightcull

@@ -1,4 +1,4 @@
-#include "gpu/device_culled.h"
+#include "gpu/device_sampler.h"
 
 #include <lightcull/error.h>
 
@@ -19,12 +19,17 @@ namespace {
 constexpr std::size_t kBatch = std::size_t{1} << 17;
 constexpr std::size_t kBytesPerPoint = sizeof(ShadingPoint) + sizeof(float) + sizeof(Selection);
 
-/// Whether the shader reads the node found first next, and how many words it keeps (walk.glsl).
-std::vector<std::uint32_t> walk_constants(const SphereTree& tree, std::uint32_t levels) {
+/// First whether the node found first is read next, and how many words a walk keeps (walk.glsl).
+std::vector<std::uint32_t> constants_of(const Chooser& chooser, const SphereTree& tree,
+                                        std::uint32_t levels) {
+    std::vector<std::uint32_t> constants;
     if (TreeWalk::is_first_in_first_out(tree)) {
-        return {VK_TRUE, static_cast<std::uint32_t>((tree.nodes.size() + 31) / 32)};
+        constants = {VK_TRUE, static_cast<std::uint32_t>((tree.nodes.size() + 31) / 32)};
+    } else {
+        constants = {VK_FALSE, levels * (SphereNode::kWidth - 1) + 1};
     }
-    return {VK_FALSE, levels * (SphereNode::kWidth - 1) + 1};
+    constants.insert(constants.end(), chooser.constants.begin(), chooser.constants.end());
+    return constants;
 }
 
 double checked_timeout(const VulkanOptions& options) {
@@ -36,6 +41,11 @@ double checked_timeout(const VulkanOptions& options) {
                 ", wanted above 0, to 1e6");
 }
 
+std::uint32_t checked_workgroup(const Device& device, const Chooser& chooser) {
+    device.check_shared_memory(chooser.shared_memory);
+    return chooser.workgroup;
+}
+
 void copy(const vk::raii::CommandBuffer& commands, vk::Buffer from, std::size_t from_offset,
           vk::Buffer to, std::size_t to_offset, std::size_t bytes) {
     commands.copyBuffer(from, to, vk::BufferCopy(from_offset, to_offset, bytes));
@@ -43,28 +53,30 @@ void copy(const vk::raii::CommandBuffer& commands, vk::Buffer from, std::size_t 
 
 }  // namespace
 
-DeviceCulled::DeviceCulled(const CulledScene& scene, const VulkanOptions& options)
-    : DeviceCulled(scene, BreadthFirst(scene.tree.tree()), options) {
+DeviceSampler::DeviceSampler(const Frame& frame, const RangeTree& tree, const Chooser& chooser,
+                             const VulkanOptions& options)
+    : DeviceSampler(frame, tree, chooser, BreadthFirst(tree.tree()), options) {
 }
 
-DeviceCulled::DeviceCulled(const CulledScene& scene, const BreadthFirst& breadth_first,
-                           const VulkanOptions& options) try
+DeviceSampler::DeviceSampler(const Frame& frame, const RangeTree& tree, const Chooser& chooser,
+                             const BreadthFirst& breadth_first, const VulkanOptions& options) try
     : device_(options.device),
-      frame_(scene.frame),
-      reach_(scene.tree.ranges().reach()),
+      frame_(frame),
+      reach_(tree.ranges().reach()),
       timeout_seconds_(checked_timeout(options)),
-      set_count_(scene.tree.ranges().set_count()),
-      node_count_(static_cast<std::uint32_t>(scene.tree.tree().nodes.size())),
+      set_count_(tree.ranges().set_count()),
+      node_count_(static_cast<std::uint32_t>(tree.tree().nodes.size())),
       level_count_(static_cast<std::uint32_t>(breadth_first.levels.size() - 1)),
-      nodes_(upload(device_, "sphere nodes", scene.tree.tree().nodes)),
+      workgroup_(checked_workgroup(device_, chooser)),
+      nodes_(upload(device_, "sphere nodes", tree.tree().nodes)),
       order_(upload(device_, "the order of nodes", breadth_first.entries)),
       levels_(upload(device_, "the levels of nodes", breadth_first.levels)),
-      centers_(upload(device_, "the centres of nodes", scene.tree.tree().centers)),
-      records_(upload(device_, "ranged lights", scene.tree.tree().records)),
-      ranks_(upload(device_, "the ranks of sets", scene.tree.ranges().ranks())),
-      groups_(upload(device_, "groups", scene.groups.groups)),
-      bvh_(upload(device_, "light BVH nodes", scene.groups.bvh.nodes)),
-      radii_(device_, "radii", scene.tree.tree().slot_count() * set_count_ * sizeof(float)),
+      centers_(upload(device_, "the centres of nodes", tree.tree().centers)),
+      records_(upload(device_, "ranged lights", tree.tree().records)),
+      ranks_(upload(device_, "the ranks of sets", tree.ranges().ranks())),
+      leaves_(upload_bytes(device_, "the tree's leaves", chooser.leaves)),
+      lights_(upload_bytes(device_, "what is below the leaves", chooser.lights)),
+      radii_(device_, "radii", tree.tree().slot_count() * set_count_ * sizeof(float)),
       around_(device_, "radii of nodes", std::size_t{node_count_} * set_count_ * sizeof(float)),
       points_(device_, "points", kBatch * sizeof(ShadingPoint)),
       u_(device_, "random numbers", kBatch * sizeof(float)),
@@ -72,15 +84,15 @@ DeviceCulled::DeviceCulled(const CulledScene& scene, const BreadthFirst& breadth
       refit_(device_, shaders::refit(),
              {&nodes_, &order_, &radii_, &centers_, &records_, &levels_, &ranks_, &around_},
              sizeof(shaders::RefitJob), {}),
-      select_(device_, shaders::select(),
-              {&nodes_, &order_, &radii_, &groups_, &bvh_, &points_, &u_, &selections_},
-              sizeof(shaders::SelectJob), walk_constants(scene.tree.tree(), level_count_)),
+      select_(device_, chooser.code,
+              {&nodes_, &order_, &radii_, &leaves_, &lights_, &points_, &u_, &selections_},
+              sizeof(shaders::SelectJob), constants_of(chooser, tree.tree(), level_count_)),
       staging_(device_, kBatch * kBytesPerPoint) {
 } catch (const vk::Error&) {
     rethrow_as_error("Vulkan");
 }
 
-void DeviceCulled::refit(const RandomRanges& ranges) {
+void DeviceSampler::refit(const RandomRanges& ranges) {
     device_.run(timeout_seconds_, [&](const vk::raii::CommandBuffer& commands) {
         const shaders::RefitJob job{reach_, ranges.key_low(), ranges.key_high(), node_count_,
                                     level_count_};
@@ -89,8 +101,8 @@ void DeviceCulled::refit(const RandomRanges& ranges) {
     });
 }
 
-void DeviceCulled::select(Span<const ShadingPoint> points, Span<const float> u,
-                          Span<Selection> selections) {
+void DeviceSampler::select(Span<const ShadingPoint> points, Span<const float> u,
+                           Span<Selection> selections) {
     for (std::size_t begin = 0; begin < points.size(); begin += kBatch) {
         const std::size_t count = std::min(points.size() - begin, kBatch);
         select_some({points.data() + begin, count}, {u.data() + begin, count},
@@ -98,8 +110,8 @@ void DeviceCulled::select(Span<const ShadingPoint> points, Span<const float> u,
     }
 }
 
-void DeviceCulled::select_some(Span<const ShadingPoint> points, Span<const float> u,
-                               Span<Selection> selections) {
+void DeviceSampler::select_some(Span<const ShadingPoint> points, Span<const float> u,
+                                Span<Selection> selections) {
     const std::size_t count = points.size(), points_size = count * sizeof(ShadingPoint),
                       u_size = count * sizeof(float), u_at = points_size,
                       selections_at = u_at + u_size, selections_size = count * sizeof(Selection);
@@ -112,8 +124,7 @@ void DeviceCulled::select_some(Span<const ShadingPoint> points, Span<const float
         const auto point_count = static_cast<std::uint32_t>(count);
         const shaders::SelectJob job{frame_.origin, frame_.inv_scale, reach_, point_count,
                                      node_count_};
-        select_.dispatch(commands, job,
-                         (point_count + shaders::kWorkgroup - 1) / shaders::kWorkgroup);
+        select_.dispatch(commands, job, (point_count + workgroup_ - 1) / workgroup_);
         barrier(commands);
         copy(commands, selections_.get(), 0, staging_.get(), selections_at, selections_size);
         barrier(commands);
@@ -121,7 +132,7 @@ void DeviceCulled::select_some(Span<const ShadingPoint> points, Span<const float
     std::memcpy(selections.data(), staging_.data() + selections_at, selections_size);
 }
 
-std::vector<float> DeviceCulled::radii() {
+std::vector<float> DeviceSampler::radii() {
     std::vector<float> result(radii_.size() / sizeof(float));
     const StagingBuffer staging(device_, radii_.size());
     device_.run(timeout_seconds_, [&](const vk::raii::CommandBuffer& commands) {
@@ -132,10 +143,11 @@ std::vector<float> DeviceCulled::radii() {
     return result;
 }
 
-std::size_t DeviceCulled::memory_size() const noexcept {
+std::size_t DeviceSampler::memory_size() const noexcept {
     std::size_t size = kBatch * kBytesPerPoint;
-    for (const Buffer* buffer : {&nodes_, &order_, &levels_, &centers_, &records_, &ranks_,
-                                 &groups_, &bvh_, &radii_, &around_, &points_, &u_, &selections_}) {
+    for (const Buffer* buffer :
+         {&nodes_, &order_, &levels_, &centers_, &records_, &ranks_, &leaves_, &lights_, &radii_,
+          &around_, &points_, &u_, &selections_}) {
         size += buffer->size();
     }
     return size;

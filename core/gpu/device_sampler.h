@@ -7,23 +7,24 @@
 
 #include "gpu/breadth_first.h"
 #include "gpu/buffer.h"
+#include "gpu/chooser.h"
 #include "gpu/kernel.h"
-#include "lights/culled_scene.h"
 
 namespace lightcull {
 
-/// `culled` on a device: the records of a scene as they lie, and what is done with them. All calls
-/// throw Error where the device fails; it is then of no more use. For one thread at a time.
-class DeviceCulled {
+/// A sampler on a device: the records of its scene as they lie, and what is done with them. All
+/// calls throw Error where the device fails; it is then of no more use. For one thread at a time.
+class DeviceSampler {
   public:
-    /// Of a scene that has any groups.
-    DeviceCulled(const CulledScene& scene, const VulkanOptions& options);
+    /// Of a tree that is not empty.
+    DeviceSampler(const Frame& frame, const RangeTree& tree, const Chooser& chooser,
+                  const VulkanOptions& options);
 
-    /// The radii of all sets for the pass that the scene's tree is in.
+    /// The radii of all sets for the pass that the tree is in.
     void refit(const RandomRanges& ranges);
 
-    /// As CulledSampler does, but for the prob where a receipt's weight_sum is not above 0: there
-    /// it only says, by being above 0, whether a light was found.
+    /// As the sampler does, but for the prob where a receipt's weight_sum is not above 0: there it
+    /// only says, by being above 0, whether a light was found.
     void select(Span<const ShadingPoint> points, Span<const float> u, Span<Selection> selections);
 
     /// [set][node][slot], as RangeTree has them.
@@ -33,8 +34,8 @@ class DeviceCulled {
     std::size_t memory_size() const noexcept;
 
   private:
-    DeviceCulled(const CulledScene& scene, const BreadthFirst& breadth_first,
-                 const VulkanOptions& options);
+    DeviceSampler(const Frame& frame, const RangeTree& tree, const Chooser& chooser,
+                  const BreadthFirst& breadth_first, const VulkanOptions& options);
 
     /// At most kBatch points.
     void select_some(Span<const ShadingPoint> points, Span<const float> u,
@@ -44,8 +45,8 @@ class DeviceCulled {
     Frame frame_;
     float reach_;
     double timeout_seconds_;
-    std::uint32_t set_count_, node_count_, level_count_;
-    Buffer nodes_, order_, levels_, centers_, records_, ranks_, groups_, bvh_;
+    std::uint32_t set_count_, node_count_, level_count_, workgroup_;
+    Buffer nodes_, order_, levels_, centers_, records_, ranks_, leaves_, lights_;
     Buffer radii_, around_;
     Buffer points_, u_, selections_;
     Kernel refit_, select_;
