@@ -139,7 +139,8 @@ HWY_ATTR HWY_INLINE hn::Mask<D> may_reach(D d, const ClusterMeans<kCount>& clust
     return hn::And(above, inside);
 }
 
-/// c + sqrt(c^2 + q): twice the mean of max(0, c) where c spreads by about sqrt(q).
+/// c + sqrt(c^2 + q): twice the mean of max(0, c) where c spreads by about sqrt(q). Negative where
+/// q is 0 and c^2 underflows.
 template <class V>
 HWY_ATTR HWY_INLINE V softened(V c, V q) {
     return hn::Add(c, hn::Sqrt(hn::Add(hn::Mul(c, c), q)));
@@ -196,7 +197,7 @@ HWY_ATTR HWY_INLINE hn::Vec<D> mean_importance(D d, const ClusterMeans<kCount>& 
     // In this order nothing gets as large or small as a fourth power of the distance.
     const auto g = hn::Mul(hn::Mul(load(d, clusters.intensity, i), hn::Mul(received, inverse)),
                            hn::Mul(emitted, inverse));
-    return hn::IfThenElseZero(hn::Gt(mean_distance2, hn::Set(d, kMinDistance2)), g);
+    return hn::IfThenElseZero(hn::Gt(mean_distance2, hn::Set(d, kMinDistance2)), hn::Max(g, zero));
 }
 
 }  // namespace cluster

@@ -97,3 +97,19 @@ TEST_CASE("groups are weighed as a reservoir does it, one after the other") {
     }
     use_instruction_set(instruction_sets().front());
 }
+
+TEST_CASE("a height whose square underflows makes no importance negative") {
+    const std::vector<Light> lights = {point_light({0, 0, 0}, 1), point_light({1, 1, 0}, 1)};
+    const LightTable table = make_light_table(lights);
+    const LightGroups groups = make_light_groups(table, 1);
+    for (const std::string& name : instruction_sets()) {
+        CAPTURE(name);
+        use_instruction_set(name);
+        for (const float slope : {1e-30f, -1e-30f, 1e-22f, -1e-22f}) {
+            const ShadingPoint shaded{{0.5f, 0.25f, 0.0f}, {slope, 0, 1}};
+            const LightBvhPoint point(table.frame.position(shaded.position), Receiver(shaded));
+            for (const LightGroup& group : groups.groups) CHECK(importance(group, point) >= 0.0f);
+        }
+    }
+    use_instruction_set(instruction_sets().front());
+}

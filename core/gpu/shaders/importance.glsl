@@ -20,6 +20,7 @@ bool may_reach(LightGroup cluster, Receiver point, Way way) {
     return squared >= least && top > point.horizon;
 }
 
+// Negative where q is 0 and c * c underflows.
 float softened(float c, float q) {
     precise float sum = c + sqrt(c * c + q);
     return sum;
@@ -59,5 +60,5 @@ float importance(LightGroup cluster, Receiver point, Way way) {
     const float emitted = softened(facing, across);
     precise float inverse = 1.0 / mean_distance2;
     precise float g = cluster.intensity * (received * inverse) * (emitted * inverse);
-    return g;
+    return max(g, 0.0);
 }
