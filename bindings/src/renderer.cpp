@@ -1,67 +1,35 @@
 #include <lightcull/render/renderer.h>
 
-#include "arena.h"
 #include "arrays.h"
 #include "counts.h"
 #include "interruptible.h"
 #include "module.h"
 
-#include <tbb/task_arena.h>
-
 #include <algorithm>
-#include <atomic>
-#include <chrono>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <vector>
 
 namespace lightcull::python {
 namespace {
 
-using Clock = std::chrono::steady_clock;
 constexpr std::uint32_t kCountedPoints = 512;
 
-/// A Renderer for Python: one call at a time, without the GIL, and open to Ctrl-C.
-class InterruptibleRenderer {
+class InterruptibleRenderer : public Interruptible<Renderer> {
   public:
-    InterruptibleRenderer(std::shared_ptr<const Scene> scene, const std::string& sampler,
+    InterruptibleRenderer(const std::shared_ptr<const Scene>& scene, const std::string& sampler,
                           const RenderSettings& settings)
-        : scene_(std::move(scene)), settings_(settings) {
-        const Clock::time_point start = Clock::now();
-        tbb::task_arena arena(arena_size(settings.threads));
-        arena.execute([&] {
-            renderer_ = std::make_unique<Renderer>(scene_, settings,
-                                                   make_scene_sampler(sampler, *scene_, settings));
-        });
-        setup_seconds_ = std::chrono::duration<double>(Clock::now() - start).count();
-    }
-
-    bool render_pass() {
-        return run_interruptibly(mutex_, [&](const std::atomic<bool>* cancel) {
-            return renderer_->render_pass(cancel);
-        });
-    }
-
-    py::object image() {
-        std::vector<float3> pixels;
-        {
-            const py::gil_scoped_release release;
-            const std::lock_guard lock(mutex_);
-            pixels = renderer_->image();
-        }
-        return array_from_image(pixels, settings_.width, settings_.height);
-    }
+        : Interruptible(settings,
+                        [&] {
+                            return std::make_unique<Renderer>(
+                                scene, settings, make_scene_sampler(sampler, *scene, settings));
+                        }),
+          scene_(scene) {}
 
     /// float64 (H, W, 3): the sums of the passes.
     py::object sums() {
-        RenderState state;
-        {
-            const py::gil_scoped_release release;
-            const std::lock_guard lock(mutex_);
-            state = renderer_->state();
-        }
-        py::object array = new_array(py::make_tuple(settings_.height, settings_.width, 3),
+        const RenderState state = locked([](const Renderer& renderer) { return renderer.state(); });
+        py::object array = new_array(py::make_tuple(settings().height, settings().width, 3),
                                      numpy_dtype(py::str("float64")));
         std::copy(state.sums.begin(), state.sums.end(), elements<double>(array).begin());
         return array;
@@ -70,57 +38,41 @@ class InterruptibleRenderer {
     void restore(const RenderStats& stats, const py::object& sums) {
         const py::buffer_info info = read_array(sums, "sums",
                                                 {numpy_dtype(py::str("float64")),
-                                                 {static_cast<py::ssize_t>(settings_.height),
-                                                  static_cast<py::ssize_t>(settings_.width), 3}});
+                                                 {static_cast<py::ssize_t>(settings().height),
+                                                  static_cast<py::ssize_t>(settings().width), 3}});
         const auto* first = static_cast<const double*>(info.ptr);
         const RenderState state{stats, {first, first + info.size}};
-        const py::gil_scoped_release release;
-        const std::lock_guard lock(mutex_);
-        renderer_->restore(state);
-    }
-
-    RenderStats stats() {
-        const py::gil_scoped_release release;
-        const std::lock_guard lock(mutex_);
-        return renderer_->stats();
+        locked([&](Renderer& renderer) { renderer.restore(state); });
     }
 
     /// At camera points.
     MeanCounts mean_counts() {
-        const py::gil_scoped_release release;
-        const std::lock_guard lock(mutex_);
-        std::vector<ShadingPoint> points = camera_points(*scene_, settings_, kCountedPoints);
-        const LightSampler& sampler = renderer_->sampler();
-        for (std::size_t i = 0; i < points.size(); ++i) {
-            points[i].set = set_of_packet(static_cast<std::uint32_t>(i), sampler.set_count());
-        }
-        return python::mean_counts(sampler, points, points.size());
+        return locked([&](const Renderer& renderer) {
+            std::vector<ShadingPoint> points = camera_points(*scene_, settings(), kCountedPoints);
+            const LightSampler& sampler = renderer.sampler();
+            for (std::size_t i = 0; i < points.size(); ++i) {
+                points[i].set = set_of_packet(static_cast<std::uint32_t>(i), sampler.set_count());
+            }
+            return python::mean_counts(sampler, points, points.size());
+        });
     }
 
-    RendererMemory memory_size() const noexcept { return renderer_->memory_size(); }
-    double setup_seconds() const noexcept { return setup_seconds_; }
+    RendererMemory memory_size() {
+        return locked([](const Renderer& renderer) { return renderer.memory_size(); });
+    }
 
   private:
     std::shared_ptr<const Scene> scene_;
-    RenderSettings settings_;
-    std::unique_ptr<Renderer> renderer_;
-    double setup_seconds_ = 0.0;
-    std::mutex mutex_;
 };
 
-std::unique_ptr<InterruptibleRenderer> make_renderer(std::shared_ptr<Scene> scene,
+std::unique_ptr<InterruptibleRenderer> make_renderer(const std::shared_ptr<Scene>& scene,
                                                      const std::string& sampler,
                                                      std::uint32_t width, std::uint32_t height,
                                                      std::uint32_t max_depth, std::uint64_t seed,
                                                      std::uint32_t threads) {
-    RenderSettings settings;
-    settings.width = width;
-    settings.height = height;
-    settings.max_depth = max_depth;
-    settings.seed = seed;
-    settings.threads = threads;
+    const RenderSettings settings = make_render_settings(width, height, max_depth, seed, threads);
     const py::gil_scoped_release release;
-    return std::make_unique<InterruptibleRenderer>(std::move(scene), sampler, settings);
+    return std::make_unique<InterruptibleRenderer>(scene, sampler, settings);
 }
 
 }  // namespace

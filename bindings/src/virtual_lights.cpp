@@ -1,89 +1,38 @@
 #include <lightcull/virtual_lights/virtual_light_renderer.h>
 
-#include "arena.h"
-#include "arrays.h"
 #include "interruptible.h"
 #include "module.h"
 
-#include <tbb/task_arena.h>
-
-#include <chrono>
 #include <memory>
-#include <mutex>
 #include <string>
-#include <vector>
 
 namespace lightcull::python {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
-/// A VirtualLightRenderer for Python: one call at a time, without the GIL, and open to Ctrl-C.
-class InterruptibleVirtualLights {
+class InterruptibleVirtualLights : public Interruptible<VirtualLightRenderer> {
   public:
-    InterruptibleVirtualLights(std::shared_ptr<const Scene> scene, const std::string& method,
+    InterruptibleVirtualLights(const std::shared_ptr<const Scene>& scene, const std::string& method,
                                const std::string& sampler, const RenderSettings& settings)
-        : settings_(settings) {
-        const Clock::time_point start = Clock::now();
-        const VirtualLightOptions options = parse_virtual_light_method(method);
-        tbb::task_arena arena(arena_size(settings.threads));
-        arena.execute([&] {
-            renderer_ = std::make_unique<VirtualLightRenderer>(
-                scene, settings, options, make_scene_sampler(sampler, *scene, settings));
-        });
-        setup_seconds_ = std::chrono::duration<double>(Clock::now() - start).count();
-    }
-
-    bool render_pass() {
-        return run_interruptibly(mutex_, [&](const std::atomic<bool>* cancel) {
-            return renderer_->render_pass(cancel);
-        });
-    }
-
-    py::object image() {
-        std::vector<float3> pixels;
-        {
-            const py::gil_scoped_release release;
-            const std::lock_guard lock(mutex_);
-            pixels = renderer_->image();
-        }
-        return array_from_image(pixels, settings_.width, settings_.height);
-    }
-
-    RenderStats stats() {
-        const py::gil_scoped_release release;
-        const std::lock_guard lock(mutex_);
-        return renderer_->stats();
-    }
+        : Interruptible(settings, [&] {
+              const VirtualLightOptions options = parse_virtual_light_method(method);
+              return std::make_unique<VirtualLightRenderer>(
+                  scene, settings, options, make_scene_sampler(sampler, *scene, settings));
+          }) {}
 
     VirtualLightStats virtual_light_stats() {
-        const py::gil_scoped_release release;
-        const std::lock_guard lock(mutex_);
-        return renderer_->virtual_light_stats();
+        return locked([](const VirtualLightRenderer& renderer) {
+            return VirtualLightStats(renderer.virtual_light_stats());
+        });
     }
-
-    double setup_seconds() const noexcept { return setup_seconds_; }
-
-  private:
-    RenderSettings settings_;
-    std::unique_ptr<VirtualLightRenderer> renderer_;
-    double setup_seconds_ = 0.0;
-    std::mutex mutex_;
 };
 
 std::unique_ptr<InterruptibleVirtualLights> make_virtual_lights(
-    std::shared_ptr<Scene> scene, const std::string& method, const std::string& sampler,
+    const std::shared_ptr<Scene>& scene, const std::string& method, const std::string& sampler,
     std::uint32_t width, std::uint32_t height, std::uint32_t max_depth, std::uint64_t seed,
     std::uint32_t threads) {
-    RenderSettings settings;
-    settings.width = width;
-    settings.height = height;
-    settings.max_depth = max_depth;
-    settings.seed = seed;
-    settings.threads = threads;
+    const RenderSettings settings = make_render_settings(width, height, max_depth, seed, threads);
     const py::gil_scoped_release release;
-    return std::make_unique<InterruptibleVirtualLights>(std::move(scene), method, sampler,
-                                                        settings);
+    return std::make_unique<InterruptibleVirtualLights>(scene, method, sampler, settings);
 }
 
 }  // namespace
