@@ -72,7 +72,7 @@ class Interruptible {
         return locked([](const AnyRenderer& renderer) { return RenderStats(renderer.stats()); });
     }
 
-    double setup_seconds() const noexcept { return setup_seconds_; }
+    double setup_seconds() const { return setup_seconds_; }
 
   protected:
     /// action(renderer), while no other call is at work.

@@ -9,7 +9,6 @@ namespace lightcull {
 
 /// What a random number of a path vertex is used for.
 enum class Dimension : std::uint64_t {
-    kPixel,        ///< place within the pixel
     kLens,         ///< place on the lens
     kSelectLight,  ///< u of LightSampler::select
     kLightVertex,  ///< place on the light

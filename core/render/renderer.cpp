@@ -73,9 +73,13 @@ void Renderer::Impl::render_regions(const std::atomic<bool>* cancel) {
     sampler->begin_pass(mix(settings.seed) + stats.passes);
     cost.sampler_seconds += seconds_since(start);
     std::fill(pass_pixels.begin(), pass_pixels.end(), V3f(0.0f));
-    const Pass pass{
-        scene->impl(), settings,          camera, *sampler, hash(settings.seed, stats.passes),
-        cancel,        pass_pixels.data()};
+    const Pass pass{scene->impl(),
+                    settings,
+                    PassRays(camera, settings, stats.passes),
+                    *sampler,
+                    hash(settings.seed, stats.passes),
+                    cancel,
+                    pass_pixels.data()};
     for (const Tile& region : tiles_of({0, 0, settings.width, settings.height}, kRegionSize)) {
         if (!pass.cancelled()) render_region(pass, region);
     }

@@ -29,11 +29,8 @@ void Wavefront::start(const Pass& pass, const Tile& tile) {
             for (std::uint32_t y = y0; y < std::min(y0 + kBlock, tile.y1); ++y) {
                 for (std::uint32_t x = x0; x < std::min(x0 + kBlock, tile.x1); ++x) {
                     const std::uint32_t pixel = y * pass_->settings.width + x;
-                    const PathRandom random = random_of(pixel);
-                    const V2f corner(static_cast<float>(x), static_cast<float>(y));
                     paths_.push_back({pixel, V3f(1.0f), 0.0f, {}, {}});
-                    rays_.push_back(pass_->camera.ray(corner + random.two(Dimension::kPixel),
-                                                      random.two(Dimension::kLens)));
+                    rays_.push_back(pass_->camera_rays.ray(pixel));
                 }
             }
         }

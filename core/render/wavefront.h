@@ -1,6 +1,6 @@
 #pragma once
 
-#include "render/camera.h"
+#include "render/pass_rays.h"
 #include "render/path_random.h"
 #include "render/ray.h"
 #include "render/surface.h"
@@ -21,7 +21,7 @@ namespace lightcull {
 struct Pass {
     const Scene::Impl& scene;
     const RenderSettings& settings;
-    const CameraRays& camera;
+    PassRays camera_rays;
     const LightSampler& sampler;
     std::uint64_t key;                ///< of its random numbers
     const std::atomic<bool>* cancel;  ///< may be null

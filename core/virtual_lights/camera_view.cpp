@@ -1,24 +1,19 @@
 #include "virtual_lights/camera_view.h"
 
 #include "lights/parallel_blocks.h"
-#include "render/path_random.h"
 
 namespace lightcull {
 namespace {
 
-void trace_block(const Scene::Impl& scene, const CameraRays& camera, std::uint64_t key,
-                 std::size_t begin, std::size_t end, CameraView& view) {
+void trace_block(const Scene::Impl& scene, const PassRays& camera_rays, std::size_t begin,
+                 std::size_t end, CameraView& view) {
     std::vector<Ray> rays;
     std::vector<Hit> hits(end - begin);
     for (std::size_t i = begin; i < end; ++i) {
-        // The path tracer's first edge.
-        const PathRandom random(key, static_cast<std::uint32_t>(i), 0);
-        const std::size_t x = i % view.width, y = i / view.width;
-        const V2f corner(static_cast<float>(x), static_cast<float>(y));
-        rays.push_back(
-            camera.ray(corner + random.two(Dimension::kPixel), random.two(Dimension::kLens)));
+        rays.push_back(camera_rays.ray(static_cast<std::uint32_t>(i)));
     }
     scene.ray_tracer->intersect(rays, hits, true);
+    const CameraRays& camera = camera_rays.camera();
     for (std::size_t i = begin; i < end; ++i) {
         const Hit& hit = hits[i - begin];
         if (hit.triangle == kNoHit) continue;
@@ -31,7 +26,7 @@ void trace_block(const Scene::Impl& scene, const CameraRays& camera, std::uint64
 }  // namespace
 
 CameraView trace_camera_view(const Scene::Impl& scene, const RenderSettings& settings,
-                             const CameraRays& camera, std::uint64_t key) {
+                             const PassRays& camera_rays) {
     CameraView view;
     view.width = settings.width;
     view.height = settings.height;
@@ -41,7 +36,7 @@ CameraView trace_camera_view(const Scene::Impl& scene, const RenderSettings& set
     view.view_positions.resize(pixels);
     constexpr std::size_t kBlock = 4096;
     for_each_block(pixels, kBlock, [&](std::size_t begin, std::size_t end) {
-        trace_block(scene, camera, key, begin, end, view);
+        trace_block(scene, camera_rays, begin, end, view);
     });
     return view;
 }

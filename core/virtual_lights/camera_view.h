@@ -1,6 +1,6 @@
 #pragma once
 
-#include "render/camera.h"
+#include "render/pass_rays.h"
 #include "render/scene_impl.h"
 #include "render/surface.h"
 
@@ -23,8 +23,8 @@ struct CameraView {
     }
 };
 
-/// The rays of the path tracer's pass with the key `key`. Runs in the caller's TBB arena.
+/// By the rays of a pass of the path tracer. Runs in the caller's TBB arena.
 CameraView trace_camera_view(const Scene::Impl& scene, const RenderSettings& settings,
-                             const CameraRays& camera, std::uint64_t key);
+                             const PassRays& camera_rays);
 
 }  // namespace lightcull

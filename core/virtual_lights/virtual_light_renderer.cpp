@@ -161,10 +161,10 @@ void VirtualLightRenderer::Impl::begin_ranges(const std::vector<VirtualLight>& l
 std::vector<V3f> VirtualLightRenderer::Impl::bounced_light(const std::atomic<bool>* cancel,
                                                            VirtualLightStats& cost) {
     const std::uint64_t pass = direct.stats().passes;
-    const std::uint64_t view_key = hash(settings.seed, pass);
-    const CameraView view = trace_camera_view(scene(), settings, camera, view_key);
+    const PassRays camera_rays(camera, settings, pass);
+    const CameraView view = trace_camera_view(scene(), settings, camera_rays);
     cost.pixels = static_cast<std::uint64_t>(std::count(view.hit.begin(), view.hit.end(), 1));
-    const std::uint64_t key = hash(view_key, 0x6c6967687473);
+    const std::uint64_t key = hash(settings.seed, pass, std::uint64_t{0x6c6967687473});
     const std::vector<VirtualLight> lights = generate(key, cost);
 
     std::vector<V3f> pixels(view.hit.size(), V3f(0.0f));

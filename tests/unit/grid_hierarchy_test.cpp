@@ -29,7 +29,7 @@ class Room {
     explicit Room(std::uint32_t paths, std::uint32_t edge = 32)
         : settings_(square_image(edge, 4)), scene_(make()), camera_(scene_->camera(), edge, edge) {
         scene_->commit();
-        view = trace_camera_view(scene_->impl(), settings_, camera_, 1);
+        view = trace_camera_view(scene_->impl(), settings_, PassRays(camera_, settings_, 1));
         const EmissionTable emission(scene_->impl());
         lights = virtual_lights(scene_->impl(), emit(emission, paths, 1), 2, 1);
     }

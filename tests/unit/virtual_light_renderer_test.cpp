@@ -49,7 +49,7 @@ class Passes {
         : options_(parse_virtual_light_method(method)),
           settings_(square_image(edge, 3)),
           camera_(scene.camera(), edge, edge),
-          view_(trace_camera_view(scene.impl(), settings_, camera_, 1)),
+          view_(trace_camera_view(scene.impl(), settings_, PassRays(camera_, settings_, 1))),
           lights_(virtual_lights(scene.impl(),
                                  emit(EmissionTable(scene.impl()), options_.light_paths, 1), 2, 1)),
           cloud_(make_point_cloud(scene.impl(), 16 * options_.map_points, options_.map_points, 1)),
