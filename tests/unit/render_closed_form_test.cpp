@@ -69,9 +69,11 @@ double single_scattering_albedo(double cosine, double alpha) {
     constexpr int kSteps = 1000;
     double sum = 0.0;
     for (int i = 0; i < kSteps; ++i) {
-        // D cos is uniform in r and in the angle about the normal.
-        const double r = (i + 0.5) / kSteps;
-        const double z = std::sqrt((1.0 - r) / (1.0 + (a2 - 1.0) * r));
+        // D cos is uniform in q^4 and in the angle about the normal; most of what is lost is lost
+        // in the tail, at small q.
+        const double q = (i + 0.5) / kSteps, rest = q * q * q * q;
+        const double z = std::sqrt(rest / (a2 + (1.0 - a2) * rest));
+        const double weight = 4.0 * q * q * q;
         for (int j = 0; j < kSteps; ++j) {
             const double angle = 2.0 * kPi * (j + 0.5) / kSteps;
             const double sine = std::sqrt(1.0 - z * z);
@@ -79,7 +81,7 @@ double single_scattering_albedo(double cosine, double alpha) {
             const double view_half = dot(view, half);
             const double light_cosine = 2.0 * view_half * half.z - view.z;
             if (view_half <= 0.0 || light_cosine <= 0.0) continue;
-            sum += masking(light_cosine) * masking(cosine) * view_half / (cosine * half.z);
+            sum += weight * masking(light_cosine) * masking(cosine) * view_half / (cosine * half.z);
         }
     }
     return sum / (kSteps * kSteps);
@@ -214,7 +216,7 @@ TEST_CASE("a white metal reflects its single-scattering albedo") {
                 const double alpha =
                     static_cast<double>(roughness) * static_cast<double>(roughness);
                 check_equals(
-                    render_mean(committed(scene), settings, "uniform", 48),
+                    render_mean(committed(scene), settings, "uniform", 200),
                     2.0 * single_scattering_albedo(std::cos(static_cast<double>(angle)), alpha));
             }
         }
