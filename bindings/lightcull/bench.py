@@ -50,6 +50,8 @@ class Row:
     ns_per_selection: float
     """Of a batch all that a pass needs is in it: the refit for its random ranges and the sorting of
     its points, divided by its points. Of single points it is the call alone."""
+    selections_per_second: float
+    """The same the other way round: how devices are compared."""
     shadow_ray_ns: float | None
     """Of one shadow ray from these points to the lights that the sampler chose; None: it chose
     none."""
@@ -188,6 +190,7 @@ class _Contender:
                 target=target,
                 threads=self._setting.threads,
                 ns_per_selection=1e9 * median(seconds),
+                selections_per_second=1 / median(seconds),
                 shadow_ray_ns=1e9 * median(times.shadow_ray) if times.shadow_ray else None,
                 nodes_per_point=nodes,
                 lights_tested_per_point=lights_tested,

@@ -20,9 +20,9 @@ Run = Callable[..., Outcome]
 SIZE = (32, 24)
 KEYS = {
     "scene": str, "lights": int, "points": str, "sampler": str, "device": str, "entry": str,
-    "target": str, "threads": int, "ns_per_selection": float, "shadow_ray_ns": float,
-    "nodes_per_point": float, "lights_tested_per_point": float, "refit_ns_per_light": float,
-    "build_seconds": float, "bytes_per_light": float,
+    "target": str, "threads": int, "ns_per_selection": float, "selections_per_second": float,
+    "shadow_ray_ns": float, "nodes_per_point": float, "lights_tested_per_point": float,
+    "refit_ns_per_light": float, "build_seconds": float, "bytes_per_light": float,
 }  # fmt: skip
 """What scripts read."""
 
@@ -52,6 +52,7 @@ def test_there_is_a_row_for_every_setting(rows: list[Row]) -> None:
     assert {(row.scene, row.lights) for row in rows} == {("room", 6)}
     for row in rows:
         assert row.ns_per_selection > 0
+        assert row.selections_per_second == pytest.approx(1e9 / row.ns_per_selection)
         assert row.shadow_ray_ns is not None and row.shadow_ray_ns > 0
         assert row.build_seconds > 0
         assert row.bytes_per_light > 0
@@ -140,7 +141,7 @@ def test_the_command_prints_tables_and_writes_rows(main_here: Run, tmp_path: Pat
     assert result.returncode == 0, result.stderr
     assert not result.stderr
     best = _core.instruction_sets()[0]
-    for text in (f"cornell, 2 lights: scattered points, 2 threads, {best}", "light_bvh", "B/light"):
+    for text in (f"cornell, 2 lights: scattered points, 2 threads, {best}", "light_bvh", "per s", "B/light"):
         assert text in result.stdout
     written = json.loads((tmp_path / "new" / "rows.json").read_text())
     assert len(written) == 3 * 2 * 2

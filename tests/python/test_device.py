@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import json
+import re
 from collections.abc import Callable
+from pathlib import Path
 
 import lightcull
 import numpy as np
@@ -71,6 +74,42 @@ def test_a_device_is_measured_beside_the_processor() -> None:
     assert all(row.ns_per_selection > 0 for row in rows)
     with pytest.raises(lightcull.Error, match="vulkan: none of the samplers is culled or paper"):
         list(bench(make_room(), ["power"], device="vulkan"))
+
+
+def number(printed: str) -> float:
+    """Of a cell of a table: "1,234", "12.3k", "4.56M"."""
+    factor = {"k": 1e3, "M": 1e6}.get(printed[-1], 1)
+    return factor * float(printed.rstrip("kM").replace(",", ""))
+
+
+def test_the_command_prints_selections_per_second_side_by_side(
+    main_here: Run, tmp_path: Path
+) -> None:
+    result = main_here(
+        "bench", "cornell", "--samplers", "culled", "--size", "32x24", "--threads", "1",
+        "--device", "vulkan", "--json", "rows.json",
+    )  # fmt: skip
+    assert result.returncode == 0, result.stderr
+    per_second = {
+        (row["points"], row["device"]): row["selections_per_second"]
+        for row in json.loads((tmp_path / "rows.json").read_text())
+        if row["entry"] == "batch"
+    }
+    assert len(per_second) == 3 * 2
+    tables = result.stdout.split("cornell, 2 lights: ")[1:]
+    assert len(tables) == 3
+    for table in tables:
+        printed = {}
+        for line in table.splitlines():
+            cells = re.match(r" *(culled(?: on vulkan)?) +[\d,.kM]+ +([\d,.kM]+) ", line)
+            if cells:
+                printed[cells[1]] = number(cells[2])
+        points = table.split()[0]
+        expected = {
+            "culled": per_second[points, "cpu"],
+            "culled on vulkan": per_second[points, "vulkan"],
+        }
+        assert printed == pytest.approx(expected, rel=0.01)
 
 
 def test_info_names_the_devices(main_here: Run) -> None:

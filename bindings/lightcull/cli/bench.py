@@ -17,7 +17,7 @@ from rich.table import Table
 
 from .. import scenes
 from .._core import Error
-from ..bench import ENTRIES, Row, bench
+from ..bench import Row, bench
 from ..images import check_output, write_whole_file
 from ..loaders import example_scene, open_scene
 from ..scene import Scene
@@ -87,14 +87,14 @@ def _same(scene: Scene) -> Scene:
     return scene
 
 
-_COLUMNS = ("batch", "single", "ray", "nodes", "lights", "refit", "build s", "B/light")
+_COLUMNS = ("batch", "per s", "single", "ray", "nodes", "lights", "refit", "build s", "B/light")
 
 
 def _print(rows: Sequence[Row]) -> None:
     """A table for each setting, with a line for each sampler and both entries in it."""
     console = Console(highlight=False)
     for setting, of_setting in groupby(rows, key=_setting):
-        table = Table(title=setting, title_justify="left", box=SIMPLE, padding=(0, 1, 0, 0))
+        table = Table(title=setting, title_justify="left", box=SIMPLE, padding=0)
         table.add_column("sampler", overflow="fold")
         for heading in _COLUMNS:
             table.add_column(heading, justify="right", no_wrap=True)
@@ -113,16 +113,16 @@ def _name(row: Row) -> str:
 
 
 def _cells(entries: Sequence[Row]) -> Iterator[str]:
-    times = {entry.entry: entry.ns_per_selection for entry in entries}
-    for name in ENTRIES:
-        yield _short(times[name]) if name in times else "-"
-    row = entries[0]
-    yield "-" if row.shadow_ray_ns is None else _short(row.shadow_ray_ns)
-    yield f"{row.nodes_per_point:.1f}"
-    yield _short(row.lights_tested_per_point, decimals=1)
-    yield f"{row.refit_ns_per_light:.2f}"
-    yield f"{row.build_seconds:.2f}"
-    yield _short(row.bytes_per_light)
+    batch, *single = entries
+    yield _short(batch.ns_per_selection)
+    yield _short(batch.selections_per_second)
+    yield _short(single[0].ns_per_selection) if single else "-"
+    yield "-" if batch.shadow_ray_ns is None else _short(batch.shadow_ray_ns)
+    yield f"{batch.nodes_per_point:.1f}"
+    yield _short(batch.lights_tested_per_point, decimals=1)
+    yield _short(batch.refit_ns_per_light, decimals=2)
+    yield f"{batch.build_seconds:.2f}"
+    yield _short(batch.bytes_per_light)
 
 
 def _short(value: float, decimals: int = 0) -> str:

@@ -88,10 +88,12 @@ examples:
   lightcull bench lanterns --json bench.json
   lightcull bench series --samplers light_bvh,culled --threads 2
   lightcull bench city --targets all --samplers culled
+  lightcull bench city --device vulkan --samplers culled  a GPU beside the processor
 
 Times are wall time, the median of five repetitions in which the samplers take turns:
   batch    nanoseconds of a selection, many points to a call. All that a pass needs is in it: of
            culled, the sorting of the points AND the pass's refit for every set of ranges
+  per s    selections of batches per second, to hold a device against the processor
   single   nanoseconds of a selection, one point to a call; the pass's refit is not in it
   ray      nanoseconds of one shadow ray from these points to the lights that the sampler chose
   refit    nanoseconds of a pass's refit, per light and set of ranges; about 0 where there is none
@@ -100,9 +102,9 @@ Counts: tree nodes visited and lights tested per point. B/light: memory of the s
 Points are what camera rays hit; scattered: what paths hit after one bounce and after two; uniform:
 anywhere in the scene's bounds. exhaustive has fewer points where there are many lights. --json
 writes a list of rows with the keys scene, lights, points (camera, scattered, uniform), sampler,
-entry (batch, single), target, threads, ns_per_selection, shadow_ray_ns, nodes_per_point,
-lights_tested_per_point, refit_ns_per_light, build_seconds and bytes_per_light. All of it takes
-half an hour or so; a scene takes one or two minutes."""
+device, entry (batch, single), target, threads, ns_per_selection, selections_per_second,
+shadow_ray_ns, nodes_per_point, lights_tested_per_point, refit_ns_per_light, build_seconds and
+bytes_per_light. All of it takes half an hour or so; a scene takes one or two minutes."""
 
 INFO = """\
 examples:
