@@ -1,9 +1,9 @@
 #include "gpu/buffer.h"
 
-#include <algorithm>
-
 namespace lightcull {
 namespace {
+
+using Memory = vk::MemoryPropertyFlagBits;
 
 vk::raii::Buffer make_buffer(const Device& device, std::size_t bytes) {
     using Usage = vk::BufferUsageFlagBits;
@@ -13,12 +13,11 @@ vk::raii::Buffer make_buffer(const Device& device, std::size_t bytes) {
 }
 
 vk::raii::DeviceMemory allocate(const Device& device, const vk::raii::Buffer& buffer,
-                                const std::string& what, vk::MemoryPropertyFlags properties) {
+                                const std::string& what, vk::MemoryPropertyFlags wanted,
+                                vk::MemoryPropertyFlags others) {
     const vk::MemoryRequirements needs = buffer.getMemoryRequirements();
     try {
-        vk::raii::DeviceMemory memory(
-            device.get(), vk::MemoryAllocateInfo(
-                              needs.size, device.memory_type(needs.memoryTypeBits, properties)));
+        vk::raii::DeviceMemory memory = device.allocate(needs, wanted, others);
         buffer.bindMemory(*memory, 0);
         return memory;
     } catch (const vk::Error&) {
@@ -31,28 +30,16 @@ vk::raii::DeviceMemory allocate(const Device& device, const vk::raii::Buffer& bu
 Buffer::Buffer(const Device& device, const std::string& what, std::size_t bytes)
     : size_(device.checked_size(what, bytes)),
       buffer_(make_buffer(device, bytes)),
-      memory_(allocate(device, buffer_, what, vk::MemoryPropertyFlagBits::eDeviceLocal)) {
+      memory_(allocate(device, buffer_, what, Memory::eDeviceLocal, {})) {
 }
 
+// Cached if there is such, as reading what is not is slow.
 StagingBuffer::StagingBuffer(const Device& device, std::size_t bytes)
-    : device_(device),
+    : size_(bytes),
       buffer_(make_buffer(device, bytes)),
-      memory_(allocate(
-          device, buffer_, "transfers",
-          vk::MemoryPropertyFlagBits::eHostVisible | vk::MemoryPropertyFlagBits::eHostCoherent)),
+      memory_(allocate(device, buffer_, "transfers", Memory::eHostVisible | Memory::eHostCoherent,
+                       Memory::eHostCached)),
       data_(static_cast<std::byte*>(memory_.mapMemory(0, VK_WHOLE_SIZE))) {
-}
-
-Buffer upload_bytes(Device& device, const std::string& what, Span<const std::byte> bytes) {
-    Buffer buffer(device, what, bytes.size());
-    const StagingBuffer staging(device, bytes.size());
-    constexpr double kSeconds = 60.0;  // for all that fits into memory
-    std::copy(bytes.begin(), bytes.end(), staging.data());
-    device.run(kSeconds, [&](const vk::raii::CommandBuffer& commands) {
-        commands.copyBuffer(staging.get(), buffer.get(), vk::BufferCopy(0, 0, bytes.size()));
-        barrier(commands);
-    });
-    return buffer;
 }
 
 }  // namespace lightcull

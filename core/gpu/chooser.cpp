@@ -1,16 +1,9 @@
 #include "gpu/chooser.h"
 
+#include "gpu/bytes.h"
 #include "gpu/shaders.h"
 
 namespace lightcull {
-namespace {
-
-template <typename T>
-Span<const std::byte> bytes_of(const std::vector<T>& elements) {
-    return {reinterpret_cast<const std::byte*>(elements.data()), elements.size() * sizeof(T)};
-}
-
-}  // namespace
 
 Chooser chooser_of(const CulledScene& scene) {
     return {shaders::select(), shaders::kSelectWorkgroup, 0, bytes_of(scene.groups.groups),

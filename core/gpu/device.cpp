@@ -27,7 +27,7 @@ vk::raii::Instance make_instance(const vk::raii::Context& context) {
     } catch (const vk::IncompatibleDriverError&) {
         throw Error("Vulkan: this machine has no driver for it");
     } catch (const vk::Error&) {
-        rethrow_as_error("Vulkan");
+        rethrow_as_error("Vulkan: no instance of it");
     }
 }
 
@@ -67,14 +67,18 @@ int rank_of(const vk::raii::PhysicalDevice& device) {
     }
 }
 
-std::vector<vk::raii::PhysicalDevice> devices_of(const vk::raii::Instance& instance) {
+/// Best first; at least one.
+std::vector<vk::raii::PhysicalDevice> devices_of(const vk::raii::Instance& instance) try {
     std::vector<vk::raii::PhysicalDevice> devices;
     for (vk::raii::PhysicalDevice& device : vk::raii::PhysicalDevices(instance)) {
         devices.push_back(std::move(device));
     }
+    if (devices.empty()) throw Error("Vulkan: this machine has a driver for it, but no device");
     std::stable_sort(devices.begin(), devices.end(),
                      [](const auto& a, const auto& b) { return rank_of(a) < rank_of(b); });
     return devices;
+} catch (const vk::Error&) {
+    rethrow_as_error("Vulkan: the list of devices");
 }
 
 std::string name_of(const vk::raii::PhysicalDevice& device) {
@@ -150,13 +154,20 @@ Device::Device(const std::string& name_part)
       done_(device_, vk::FenceCreateInfo()) {
 }
 
-std::uint32_t Device::memory_type(std::uint32_t allowed, vk::MemoryPropertyFlags wanted) const {
+vk::raii::DeviceMemory Device::allocate(const vk::MemoryRequirements& needs,
+                                        vk::MemoryPropertyFlags wanted,
+                                        vk::MemoryPropertyFlags others) const {
     const vk::PhysicalDeviceMemoryProperties memory = physical_.getMemoryProperties();
-    for (std::uint32_t i = 0; i < memory.memoryTypeCount; ++i) {
-        const bool has_all = (memory.memoryTypes[i].propertyFlags & wanted) == wanted;
-        if ((allowed & (1u << i)) != 0 && has_all) return i;
+    for (const vk::MemoryPropertyFlags flags : {wanted | others, wanted}) {
+        for (std::uint32_t i = 0; i < memory.memoryTypeCount; ++i) {
+            const vk::MemoryType& type = memory.memoryTypes[i];
+            const bool fits = (needs.memoryTypeBits & (1u << i)) != 0 &&
+                              (type.propertyFlags & flags) == flags &&
+                              memory.memoryHeaps[type.heapIndex].size >= needs.size;
+            if (fits) return {device_, vk::MemoryAllocateInfo(needs.size, i)};
+        }
     }
-    throw Error(name_ + ": no memory that is " + vk::to_string(wanted));
+    throw vk::OutOfDeviceMemoryError("no heap is as large");
 }
 
 std::size_t Device::checked_size(const std::string& what, std::size_t bytes) const {
@@ -180,21 +191,28 @@ void Device::run(double timeout_seconds,
         record(commands_);
         commands_.end();
         queue_.submit(vk::SubmitInfo({}, {}, *commands_), *done_);
-        const auto timeout_ns = static_cast<std::uint64_t>(timeout_seconds * 1e9);
-        if (device_.waitForFences(*done_, VK_TRUE, timeout_ns) == vk::Result::eTimeout) {
-            throw Error(name_ + ": no answer within " + std::to_string(timeout_seconds) + " s");
-        }
-        device_.resetFences(*done_);
+        at_work_ = true;
+        if (finishes_within(timeout_seconds)) return;
     } catch (const vk::Error&) {
         rethrow_as_error(name_);
     }
+    throw Error(name_ + ": no answer within " + std::to_string(timeout_seconds) + " s");
 }
 
-void Device::wait_idle() const noexcept {
+bool Device::finishes_within(double seconds) {
+    if (!at_work_) return true;
+    const auto timeout_ns = static_cast<std::uint64_t>(seconds * 1e9);
+    if (device_.waitForFences(*done_, VK_TRUE, timeout_ns) == vk::Result::eTimeout) return false;
+    device_.resetFences(*done_);
+    at_work_ = false;
+    return true;
+}
+
+bool Device::is_idle_within(double seconds) noexcept {
     try {
-        device_.waitIdle();
+        return finishes_within(seconds);
     } catch (const vk::Error&) {
-        // Lost: nothing is at work any more.
+        return true;  // lost: nothing is at work any more
     }
 }
 

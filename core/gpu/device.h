@@ -2,6 +2,7 @@
 
 #include <lightcull/gpu/vulkan_sampler.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <string>
@@ -22,8 +23,10 @@ class Device {
     const vk::raii::Device& get() const noexcept { return device_; }
     const std::string& name() const noexcept { return name_; }
 
-    /// Index of a type of memory among `allowed` (bits) with all of these properties.
-    std::uint32_t memory_type(std::uint32_t allowed, vk::MemoryPropertyFlags wanted) const;
+    /// Memory with all of the wanted properties, and the others if there is such. Throws vk::Error.
+    vk::raii::DeviceMemory allocate(const vk::MemoryRequirements& needs,
+                                    vk::MemoryPropertyFlags wanted,
+                                    vk::MemoryPropertyFlags others = {}) const;
     /// `bytes`, or Error if a buffer of so many is more than a shader can see.
     std::size_t checked_size(const std::string& what, std::size_t bytes) const;
 
@@ -34,10 +37,13 @@ class Device {
     /// at work, and is not to be used again.
     void run(double timeout_seconds,
              const std::function<void(const vk::raii::CommandBuffer&)>& record);
-    /// Until it is not at work.
-    void wait_idle() const noexcept;
+    /// Whether it has done all that it was given, or is lost: waits for that, but not for longer.
+    bool is_idle_within(double seconds) noexcept;
 
   private:
+    /// Throws vk::Error.
+    bool finishes_within(double seconds);
+
     vk::raii::Context context_;
     vk::raii::Instance instance_;
     vk::raii::PhysicalDevice physical_;
@@ -48,6 +54,7 @@ class Device {
     vk::raii::CommandPool pool_;
     vk::raii::CommandBuffer commands_;
     vk::raii::Fence done_;
+    bool at_work_ = false;
 };
 
 /// Makes what was written before, by copies or shaders, seen by what comes after.

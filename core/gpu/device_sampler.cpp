@@ -6,6 +6,7 @@
 #include <cstring>
 #include <string>
 
+#include "gpu/bytes.h"
 #include "gpu/shaders.h"
 #include "lights/sphere_tree_walk.h"
 
@@ -53,9 +54,16 @@ void copy(const vk::raii::CommandBuffer& commands, vk::Buffer from, std::size_t 
 
 }  // namespace
 
-DeviceSampler::DeviceSampler(const Frame& frame, const RangeTree& tree, const Chooser& chooser,
-                             const VulkanOptions& options)
-    : DeviceSampler(frame, tree, chooser, BreadthFirst(tree.tree()), options) {
+void DeviceSampler::End::operator()(DeviceSampler* sampler) const noexcept {
+    if (sampler->device_.is_idle_within(sampler->timeout_seconds_)) delete sampler;
+}
+
+DeviceSampler::Handle DeviceSampler::make(const Frame& frame, const RangeTree& tree,
+                                          const Chooser& chooser, const VulkanOptions& options) {
+    const BreadthFirst breadth_first(tree.tree());
+    Handle sampler(new DeviceSampler(frame, tree, chooser, breadth_first, options));
+    sampler->upload(tree, chooser, breadth_first);
+    return sampler;
 }
 
 DeviceSampler::DeviceSampler(const Frame& frame, const RangeTree& tree, const Chooser& chooser,
@@ -68,14 +76,14 @@ DeviceSampler::DeviceSampler(const Frame& frame, const RangeTree& tree, const Ch
       node_count_(static_cast<std::uint32_t>(tree.tree().nodes.size())),
       level_count_(static_cast<std::uint32_t>(breadth_first.levels.size() - 1)),
       workgroup_(checked_workgroup(device_, chooser)),
-      nodes_(upload(device_, "sphere nodes", tree.tree().nodes)),
-      order_(upload(device_, "the order of nodes", breadth_first.entries)),
-      levels_(upload(device_, "the levels of nodes", breadth_first.levels)),
-      centers_(upload(device_, "the centres of nodes", tree.tree().centers)),
-      records_(upload(device_, "ranged lights", tree.tree().records)),
-      ranks_(upload(device_, "the ranks of sets", tree.ranges().ranks())),
-      leaves_(upload_bytes(device_, "the tree's leaves", chooser.leaves)),
-      lights_(upload_bytes(device_, "what is below the leaves", chooser.lights)),
+      nodes_(device_, "sphere nodes", bytes_of(tree.tree().nodes).size()),
+      order_(device_, "the order of nodes", bytes_of(breadth_first.entries).size()),
+      levels_(device_, "the levels of nodes", bytes_of(breadth_first.levels).size()),
+      centers_(device_, "the centres of nodes", bytes_of(tree.tree().centers).size()),
+      records_(device_, "ranged lights", bytes_of(tree.tree().records).size()),
+      ranks_(device_, "the ranks of sets", bytes_of(tree.ranges().ranks()).size()),
+      leaves_(device_, "the tree's leaves", chooser.leaves.size()),
+      lights_(device_, "what is below the leaves", chooser.lights.size()),
       radii_(device_, "radii", tree.tree().slot_count() * set_count_ * sizeof(float)),
       around_(device_, "radii of nodes", std::size_t{node_count_} * set_count_ * sizeof(float)),
       points_(device_, "points", kBatch * sizeof(ShadingPoint)),
@@ -90,6 +98,40 @@ DeviceSampler::DeviceSampler(const Frame& frame, const RangeTree& tree, const Ch
       staging_(device_, kBatch * kBytesPerPoint) {
 } catch (const vk::Error&) {
     rethrow_as_error("Vulkan");
+}
+
+void DeviceSampler::upload(const RangeTree& tree, const Chooser& chooser,
+                           const BreadthFirst& breadth_first) {
+    write(nodes_, bytes_of(tree.tree().nodes));
+    write(order_, bytes_of(breadth_first.entries));
+    write(levels_, bytes_of(breadth_first.levels));
+    write(centers_, bytes_of(tree.tree().centers));
+    write(records_, bytes_of(tree.tree().records));
+    write(ranks_, bytes_of(tree.ranges().ranks()));
+    write(leaves_, chooser.leaves);
+    write(lights_, chooser.lights);
+}
+
+void DeviceSampler::write(const Buffer& buffer, Span<const std::byte> bytes) {
+    for (std::size_t at = 0; at < bytes.size(); at += staging_.size()) {
+        const std::size_t part = std::min(bytes.size() - at, staging_.size());
+        std::memcpy(staging_.data(), bytes.data() + at, part);
+        device_.run(timeout_seconds_, [&](const vk::raii::CommandBuffer& commands) {
+            copy(commands, staging_.get(), 0, buffer.get(), at, part);
+            barrier(commands);
+        });
+    }
+}
+
+void DeviceSampler::read(const Buffer& buffer, Span<std::byte> bytes) {
+    for (std::size_t at = 0; at < bytes.size(); at += staging_.size()) {
+        const std::size_t part = std::min(bytes.size() - at, staging_.size());
+        device_.run(timeout_seconds_, [&](const vk::raii::CommandBuffer& commands) {
+            copy(commands, buffer.get(), at, staging_.get(), 0, part);
+            barrier(commands);
+        });
+        std::memcpy(bytes.data() + at, staging_.data(), part);
+    }
 }
 
 void DeviceSampler::refit(const RandomRanges& ranges) {
@@ -134,17 +176,12 @@ void DeviceSampler::select_some(Span<const ShadingPoint> points, Span<const floa
 
 std::vector<float> DeviceSampler::radii() {
     std::vector<float> result(radii_.size() / sizeof(float));
-    const StagingBuffer staging(device_, radii_.size());
-    device_.run(timeout_seconds_, [&](const vk::raii::CommandBuffer& commands) {
-        copy(commands, radii_.get(), 0, staging.get(), 0, radii_.size());
-        barrier(commands);
-    });
-    std::memcpy(result.data(), staging.data(), radii_.size());
+    read(radii_, {reinterpret_cast<std::byte*>(result.data()), radii_.size()});
     return result;
 }
 
 std::size_t DeviceSampler::memory_size() const noexcept {
-    std::size_t size = kBatch * kBytesPerPoint;
+    std::size_t size = staging_.size();
     for (const Buffer* buffer :
          {&nodes_, &order_, &levels_, &centers_, &records_, &ranks_, &leaves_, &lights_, &radii_,
           &around_, &points_, &u_, &selections_}) {

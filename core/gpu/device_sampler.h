@@ -3,6 +3,8 @@
 #include <lightcull/light_sampler.h>
 
 #include <cstddef>
+#include <memory>
+#include <string>
 #include <vector>
 
 #include "gpu/breadth_first.h"
@@ -16,9 +18,16 @@ namespace lightcull {
 /// calls throw Error where the device fails; it is then of no more use. For one thread at a time.
 class DeviceSampler {
   public:
+    /// Waits for what the device is at, as after a timeout it may still be at some, but not for
+    /// longer than the timeout. What it does not let go of by then is never freed.
+    struct End {
+        void operator()(DeviceSampler* sampler) const noexcept;
+    };
+    using Handle = std::unique_ptr<DeviceSampler, End>;
+
     /// Of a tree that is not empty.
-    DeviceSampler(const Frame& frame, const RangeTree& tree, const Chooser& chooser,
-                  const VulkanOptions& options);
+    static Handle make(const Frame& frame, const RangeTree& tree, const Chooser& chooser,
+                       const VulkanOptions& options);
 
     /// The radii of all sets for the pass that the tree is in.
     void refit(const RandomRanges& ranges);
@@ -34,8 +43,14 @@ class DeviceSampler {
     std::size_t memory_size() const noexcept;
 
   private:
+    /// Gives the device nothing to do.
     DeviceSampler(const Frame& frame, const RangeTree& tree, const Chooser& chooser,
                   const BreadthFirst& breadth_first, const VulkanOptions& options);
+
+    /// What the constructor has made room for.
+    void upload(const RangeTree& tree, const Chooser& chooser, const BreadthFirst& breadth_first);
+    void write(const Buffer& buffer, Span<const std::byte> bytes);
+    void read(const Buffer& buffer, Span<std::byte> bytes);
 
     /// At most kBatch points.
     void select_some(Span<const ShadingPoint> points, Span<const float> u,
@@ -50,7 +65,7 @@ class DeviceSampler {
     Buffer radii_, around_;
     Buffer points_, u_, selections_;
     Kernel refit_, select_;
-    StagingBuffer staging_;  // the last, so that its end waits before that of the others
+    StagingBuffer staging_;
 };
 
 }  // namespace lightcull

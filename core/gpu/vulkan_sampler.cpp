@@ -2,10 +2,9 @@
 
 #include <lightcull/error.h>
 
+#include <exception>
 #include <memory>
 #include <mutex>
-#include <optional>
-#include <string>
 #include <utility>
 
 #include "gpu/device_sampler.h"
@@ -21,21 +20,13 @@ class VulkanLightSampler final : public LightSampler {
                        const Chooser& chooser, const VulkanOptions& options)
         : cpu_(std::move(cpu)), tree_(tree) {
         // Without any light there is nothing to choose from, nor to upload.
-        if (!tree.tree().empty()) device_.emplace(frame, tree, chooser, options);
+        if (!tree.tree().empty()) device_ = DeviceSampler::make(frame, tree, chooser, options);
     }
 
     void begin_pass(std::uint64_t pass) override {
         cpu_->begin_pass(pass);
-        if (device_ && failure_.empty()) {
-            try {
-                device_->refit(tree_.ranges());
-            } catch (const Error& error) {
-                failure_ = error.what();
-            }
-        }
-        if (failure_.empty() || failure_told_) return;
-        failure_told_ = true;
-        throw Error(failure_);
+        attempt([&] { device_->refit(tree_.ranges()); });
+        if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
     }
 
     Selection select(const ShadingPoint& point, float u) const noexcept override {
@@ -68,6 +59,7 @@ class VulkanLightSampler final : public LightSampler {
         return cpu_->count(point);
     }
     std::size_t memory_size() const noexcept override {
+        const std::lock_guard lock(mutex_);
         return cpu_->memory_size() + (device_ ? device_->memory_size() : 0);
     }
 
@@ -76,11 +68,18 @@ class VulkanLightSampler final : public LightSampler {
     bool select_on_device(Span<const ShadingPoint> points, Span<const float> u,
                           Span<Selection> selections) const noexcept {
         const std::lock_guard lock(mutex_);
-        if (!device_ || !failure_.empty()) return false;
+        return attempt([&] { device_->select(points, u, selections); });
+    }
+
+    /// False if there is no device, or none any more.
+    template <typename Action>
+    bool attempt(const Action& action) const noexcept {
+        if (!device_) return false;
         try {
-            device_->select(points, u, selections);
-        } catch (const Error& error) {
-            failure_ = error.what();
+            action();
+        } catch (...) {
+            failure_ = std::current_exception();
+            device_.reset();
             return false;
         }
         return true;
@@ -95,10 +94,9 @@ class VulkanLightSampler final : public LightSampler {
 
     std::unique_ptr<LightSampler> cpu_;
     const RangeTree& tree_;
-    mutable std::mutex mutex_;  ///< of what follows
-    mutable std::optional<DeviceSampler> device_;
-    mutable std::string failure_;  ///< of the device, which is not used after it
-    bool failure_told_ = false;
+    mutable std::mutex mutex_;              ///< of what follows
+    mutable DeviceSampler::Handle device_;  ///< none without lights, nor after a failure
+    mutable std::exception_ptr failure_;    ///< that is still to be told
 };
 
 }  // namespace

@@ -17,12 +17,12 @@ TEST_CASE("a device refits radii to the processor's") {
         const auto sampler = make_sampler(description, mixed_lights(5'000, 74, 6.0f));
         const auto& culled = dynamic_cast<const CulledSamplerBase&>(*sampler);
         const CulledScene scene = culled.scene();
-        DeviceSampler device(scene.frame, scene.tree, chooser_of(scene), {});
+        const auto device = DeviceSampler::make(scene.frame, scene.tree, chooser_of(scene), {});
         for (const std::uint64_t pass : {0u, 7u}) {
             sampler->begin_pass(pass);
             const RangeTree& tree = scene.tree;
-            device.refit(tree.ranges());
-            const std::vector<float> radii = device.radii();
+            device->refit(tree.ranges());
+            const std::vector<float> radii = device->radii();
             const std::size_t slots = tree.tree().slot_count();
             REQUIRE(radii.size() == slots * tree.ranges().set_count());
             std::size_t different = 0;

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import json
+import os
 import re
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -116,3 +119,64 @@ def test_info_names_the_devices(main_here: Run) -> None:
     said = main_here("info", "cornell").stdout
     assert f"cpu: {_core.instruction_set()}" in said
     assert f"vulkan: {_core.vulkan_devices()[0][0]}" in said
+
+
+# Without a device, or with one that fails. Each in a program of its own, whose environment says so.
+
+GPU_TESTS = Path(__file__).parents[2] / "build/tests/gpu"
+FAULTY = {
+    "VK_ADD_LAYER_PATH": str(GPU_TESTS / "layer"),
+    "VK_INSTANCE_LAYERS": "VK_LAYER_LIGHTCULL_faulty",
+}
+"""A layer that makes calls of Vulkan fail, by LIGHTCULL_FAULT."""
+HOST = """\
+import os, sys
+import lightcull
+import numpy as np
+
+lights = lightcull.point_lights(np.eye(3, dtype=np.float32), np.ones(3, np.float32))
+points, u = np.zeros((5000, 3), np.float32), np.full(5000, 0.5, np.float32)
+
+def chosen(sampler):
+    return sampler.select(points, None, u)["light"].tolist()
+
+try:
+    sampler = lightcull.LightSampler(lights, "culled", device="vulkan")
+    os.environ["LIGHTCULL_FAULT"] = sys.argv[1]
+    sampler.begin_pass(1)
+except lightcull.Error as error:
+    print(error)
+    if not sys.argv[1]:
+        sampler = lightcull.LightSampler(lights, "culled")
+        sampler.begin_pass(1)
+    cpu = lightcull.LightSampler(lights, "culled")
+    cpu.begin_pass(1)
+    print("goes on" if chosen(sampler) == chosen(cpu) else "differs")
+"""
+
+
+@pytest.mark.parametrize(
+    ("environment", "later_fault", "message"),
+    [
+        ({"LD_LIBRARY_PATH": str(GPU_TESTS / "no_loader")}, "", "Vulkan: this machine has no loader"),
+        ({"VK_ICD_FILENAMES": "/nonexistent"}, "", "Vulkan: this machine has no driver for it"),
+        (FAULTY | {"LIGHTCULL_FAULT": "compute 0 0"}, "", "no queue for compute"),
+        (FAULTY | {"LIGHTCULL_FAULT": "vkAllocateMemory -2 0"}, "", "out of device memory"),
+        (FAULTY, "vkQueueSubmit -4 0", "the device was lost"),
+        (FAULTY, "hung 0 0", "no answer within 60"),
+    ],
+)  # fmt: skip
+def test_a_device_that_fails_is_one_error_and_the_processor_goes_on(
+    environment: dict[str, str], later_fault: str, message: str
+) -> None:
+    result = subprocess.run(
+        [sys.executable, "-c", HOST, later_fault],
+        env=os.environ | environment,
+        capture_output=True,
+        text=True,
+        timeout=300,
+    )
+    assert result.returncode == 0, result.stderr
+    told, after = result.stdout.splitlines()
+    assert message in told
+    assert after == "goes on"

@@ -20,8 +20,8 @@ std::vector<VulkanDevice> vulkan_devices();
 
 struct VulkanOptions {
     std::string device;             ///< part of its name; empty: the first that can be used
-    double timeout_seconds = 10.0;  ///< for what the device is given at a time, > 0: some
-                                    ///< hundred thousand points
+    double timeout_seconds = 60.0;  ///< for what the device is given at a time, > 0: some
+                                    ///< hundred thousand points, or a pass's ranges
 };
 
 /// Takes a sampler, `culled` or `paper` with a list, as make_sampler() gives it, to a device, which
@@ -33,9 +33,10 @@ struct VulkanOptions {
 /// Throws Error that names what is at fault: another sampler, no Vulkan, no device of
 /// that name, one that cannot be used, or one without enough memory.
 ///
-/// If the device fails later (lost, out of memory, no answer in time), select(), which cannot
-/// throw, goes on with the sampler it was made from, whose selections are as good; the next
-/// begin_pass() begins its pass there and then throws Error, once. A host may then go on or stop.
+/// If the device fails later (lost, out of memory, no answer in time), it is let go of, and
+/// select(), which cannot throw, goes on with the sampler it was made from, whose selections are as
+/// good; the next begin_pass() begins its pass there and then throws Error, once. A host may then go
+/// on or stop. One that does not answer is waited for once more when it is let go of.
 std::unique_ptr<LightSampler> make_vulkan_sampler(std::unique_ptr<LightSampler> sampler,
                                                   const VulkanOptions& options = {});
 
