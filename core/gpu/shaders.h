@@ -22,8 +22,8 @@ static_assert(sizeof(RefitJob) == 20 && offsetof(RefitJob, node_count) == 12);
 Span<const std::uint32_t> select() noexcept;
 Span<const std::uint32_t> paper() noexcept;
 inline constexpr std::uint32_t kSelectWorkgroup = 64, kPaperWorkgroup = 32;
-/// Bytes, of the list of `paper`.
-inline constexpr std::uint32_t kListEntrySize = 12;
+/// Bytes, of the list of `paper` and its CDF.
+inline constexpr std::uint32_t kListEntrySize = 16;
 struct SelectJob {
     float3 origin;
     float inv_scale;

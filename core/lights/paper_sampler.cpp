@@ -34,6 +34,13 @@ class LightList {
     }
     std::uint32_t size() const noexcept { return std::min(found_, capacity_); }
     const Accepted& operator[](std::uint32_t i) const noexcept { return list_[i]; }
+
+    /// The first light at which the sums of weights in cdf, as many as there are lights, rise above
+    /// the u-th part of the last. u in [0, 1).
+    const Accepted& sample(const float* cdf, float u) const noexcept {
+        const float* const last = cdf + size() - 1;
+        return list_[std::upper_bound(cdf, last, u * *last) - cdf];
+    }
     /// min(k / m, 1) of Eq. 10.
     float keep_prob() const noexcept {
         return found_ <= capacity_ ? 1.0f
@@ -122,16 +129,15 @@ class PaperSampler final : public PaperSamplerBase {
         return range_at_vertex_ ? weight(accepted) : weight(accepted) / accepted.inverse_prob;
     }
 
-    void add(const Accepted& accepted, Reservoir& reservoir) const noexcept {
-        reservoir.add(accepted.record, numerator(accepted), weight(accepted));
-    }
-
     Selection select_of_all(const ShadingPoint& point, float u) const noexcept {
         const float3 x = tree_.frame().position(point.position);
         Reservoir reservoir(u);
-        tree_.for_each_accepted(x, Receiver(point), point.set,
-                                [&](const Accepted& accepted) { add(accepted, reservoir); });
-        return selection(reservoir, point.set, 1.0f);
+        tree_.for_each_accepted(x, Receiver(point), point.set, [&](const Accepted& accepted) {
+            reservoir.add(accepted.record, numerator(accepted), weight(accepted));
+        });
+        const Receipt receipt{reservoir.weight_sum(), point.set};
+        if (!reservoir.chosen()) return {0, 0.0f, receipt};
+        return {tree_.to_light(reservoir.light()), reservoir.prob(), receipt};
     }
 
     Selection select_of_list(const ShadingPoint& point, float u) const noexcept {
@@ -139,16 +145,13 @@ class PaperSampler final : public PaperSamplerBase {
         LightList list(list_size_, hash(float_bits(u), float_bits(x.x), float_bits(x.y)));
         tree_.for_each_accepted(x, Receiver(point), point.set,
                                 [&](const Accepted& accepted) { list.add(accepted); });
-        Reservoir reservoir(u);
-        for (std::uint32_t i = 0; i < list.size(); ++i) add(list[i], reservoir);
-        return selection(reservoir, point.set, list.keep_prob());
-    }
-
-    Selection selection(const Reservoir& reservoir, std::uint32_t set,
-                        float keep_prob) const noexcept {
-        const Receipt receipt{reservoir.weight_sum(), set};
-        if (!reservoir.chosen()) return {0, 0.0f, receipt};
-        return {tree_.to_light(reservoir.light()), keep_prob * reservoir.prob(), receipt};
+        if (list.size() == 0) return {0, 0.0f, {0.0f, point.set}};
+        float cdf[kMaxListSize], sum = 0.0f;
+        for (std::uint32_t i = 0; i < list.size(); ++i) cdf[i] = sum += weight(list[i]);
+        const Accepted& chosen = list.sample(cdf, u);
+        return {tree_.to_light(chosen.record),
+                list.keep_prob() * (numerator(chosen) / sum),
+                {sum, point.set}};
     }
 
     CullingTree tree_;

@@ -3,7 +3,8 @@
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 
 // [TH16] Algs. 2 and 3 as lights/paper_sampler.cpp has them, one selection per invocation: a list
-// of the accepted lights in shared memory, kept to k by reservoir sampling, and one chosen of it.
+// of the accepted lights in shared memory, kept to k by reservoir sampling, and one of it found by
+// a binary search of the CDF of their weights.
 
 #include "records.glsl"
 
@@ -41,8 +42,9 @@ struct Accepted {
     float inverse_prob;
 };
 
-// lightList, one for each invocation.
+// lightList and cdf, one of each for each invocation.
 shared Accepted list[kListSize * gl_WorkGroupSize.x];
+shared float cdf[kListSize * gl_WorkGroupSize.x];
 
 uint place_in_list(uint i) {
     return i * gl_WorkGroupSize.x + gl_LocalInvocationID.x;
@@ -92,6 +94,35 @@ uint find_accepted(Receiver point, uint set, uint64_t key) {
     return found;
 }
 
+float weight_of(Accepted accepted) {
+    precise float by_p = accepted.importance * accepted.inverse_prob;
+    return kWeightByG ? accepted.importance : by_p;
+}
+
+// Of the first `size` of the list; their sum.
+float build_cdf(uint size) {
+    precise float sum = 0.0;
+    for (uint j = 0; j < size; ++j) {
+        sum += weight_of(list[place_in_list(j)]);
+        cdf[place_in_list(j)] = sum;
+    }
+    return sum;
+}
+
+// The first of `size` places, not none, at which the CDF rises above the target; else the last.
+uint search_cdf(uint size, float target) {
+    uint begin = 0, end = size - 1;
+    while (begin < end) {
+        const uint middle = (begin + end) / 2;
+        if (cdf[place_in_list(middle)] > target) {
+            end = middle;
+        } else {
+            begin = middle + 1;
+        }
+    }
+    return begin;
+}
+
 void main() {
     const uint i = gl_GlobalInvocationID.x;
     if (i >= job.point_count) return;
@@ -101,22 +132,18 @@ void main() {
     const uvec3 x_bits = floatBitsToUint(point.position);
     const uint64_t key = hash(hash(uint64_t(u_bits), uint64_t(x_bits.x)), uint64_t(x_bits.y));
     const uint found = find_accepted(point, shading.set, key);
-
-    precise float sum = 0.0;
-    float numerator = 0.0;
-    uint chosen = 0;
-    for (uint j = 0; j < min(found, kListSize); ++j) {
-        const Accepted accepted = list[place_in_list(j)];
-        precise float by_p = accepted.importance * accepted.inverse_prob;
-        const float weight = kWeightByG ? accepted.importance : by_p;
-        sum += weight;
-        precise float place = random_number(u_bits, accepted.record) * sum;
-        if (!(place < weight)) continue;
-        chosen = accepted.record;
-        numerator = kRangeAtVertex ? weight : quotient(weight, accepted.inverse_prob);
+    if (found == 0) {
+        selections[i] = Selection(0, 0.0, 0.0, shading.set);
+        return;
     }
-    const float keep_prob = found <= kListSize ? 1.0 : quotient(float(kListSize), float(found));
+
+    const uint size = min(found, kListSize);
+    const float sum = build_cdf(size);
+    precise float target = u[i] * sum;
+    const Accepted chosen = list[place_in_list(search_cdf(size, target))];
+    const float weight = weight_of(chosen);
+    const float numerator = kRangeAtVertex ? weight : quotient(weight, chosen.inverse_prob);
+    const float keep_prob = quotient(float(size), float(found));
     precise float prob = keep_prob * quotient(numerator, sum);
-    const bool any = sum > 0.0;
-    selections[i] = Selection(any ? lights[chosen] : 0, any ? prob : 0.0, sum, shading.set);
+    selections[i] = Selection(lights[chosen.record], prob, sum, shading.set);
 }

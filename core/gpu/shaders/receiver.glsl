@@ -52,10 +52,3 @@ float inverse_prob_of(float radius, float intensity, float distance2) {
     precise float inverse_prob = max(distance * distance * inverse_limit, 1.0);
     return inverse_prob;
 }
-
-// Of Reservoir::add().
-float random_number(uint u_bits, uint record) {
-    precise float random =
-        to_float(scramble(u_bits ^ (record * 0x9e3779b9u))) * (1.0 / 4294967296.0);
-    return min(random, 1.0 - 1.0 / 8388608.0);
-}

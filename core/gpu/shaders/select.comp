@@ -39,6 +39,13 @@ struct Choice {
     uint accepted;  // groups so far
 };
 
+// Of Reservoir::add().
+float random_number(uint u_bits, uint record) {
+    precise float random =
+        to_float(scramble(u_bits ^ (record * 0x9e3779b9u))) * (1.0 / 4294967296.0);
+    return min(random, 1.0 - 1.0 / 8388608.0);
+}
+
 void weigh(uint record, Receiver point, uint u_bits, inout Choice choice) {
     const LightGroup group = groups[record];
     const Way way = way_to(vec(group.center), point);
