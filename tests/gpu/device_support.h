@@ -39,6 +39,25 @@ class Environment {
     std::unique_ptr<std::string> before_;
 };
 
+inline std::string layers() {
+    const char* others = std::getenv("VK_INSTANCE_LAYERS");
+    return (others == nullptr ? "" : std::string(others) + ":") + "VK_LAYER_LIGHTCULL_faulty";
+}
+
+/// While it lives, samplers are made with faulty_layer/ besides the layers that there are already;
+/// without Mesa's, which breaks where there is no device.
+struct FaultyLayer {
+    Environment path{"VK_ADD_LAYER_PATH", LIGHTCULL_LAYERS};
+    Environment instance{"VK_INSTANCE_LAYERS", layers()};
+    Environment no_other{"NODEVICE_SELECT", "1"};
+};
+
+/// While it lives, a call fails, but for the first `after` times.
+struct Fault : Environment {
+    explicit Fault(const std::string& call_and_value, int after = 0)
+        : Environment("LIGHTCULL_FAULT", call_and_value + std::to_string(after)) {}
+};
+
 /// What the action throws; empty if nothing.
 template <typename Action>
 std::string error_of(const Action& action) {

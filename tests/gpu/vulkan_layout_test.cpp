@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <iterator>
 #include <set>
+#include <type_traits>
 #include <vector>
 
 #include "gpu/breadth_first.h"
@@ -22,13 +23,22 @@ using namespace lightcull;
 
 namespace {
 
-/// Where the members of a record lie, and where the next record begins.
+/// Where a member of a record lies.
+struct Member {
+    std::size_t offset, size;
+    bool is_float;  ///< or an array, or a float3, of such; else of integers
+};
+bool operator==(const Member& a, const Member& b) {
+    return a.offset == b.offset && a.size == b.size && a.is_float == b.is_float;
+}
+
+/// Its members, and where the next record begins.
 struct Layout {
-    std::vector<unsigned> offsets;
-    unsigned stride;
+    std::vector<Member> members;
+    std::size_t stride;
 };
 bool operator==(const Layout& a, const Layout& b) {
-    return a.offsets == b.offsets && a.stride == b.stride;
+    return a.members == b.members && a.stride == b.stride;
 }
 
 /// What a shader says of its memory.
@@ -46,6 +56,8 @@ class Reflection {
     Reflection(Reflection&&) = delete;
     ~Reflection() { spvc_context_destroy(context_); }
 
+    std::size_t buffer_count() const { return list(SPVC_RESOURCE_TYPE_STORAGE_BUFFER).size(); }
+
     /// Of the elements of the buffer of a binding.
     Layout of_binding(unsigned binding) const {
         for (const spvc_reflected_resource& buffer : list(SPVC_RESOURCE_TYPE_STORAGE_BUFFER)) {
@@ -54,9 +66,10 @@ class Reflection {
                 continue;
             }
             const spvc_type block = type_of(buffer.base_type_id);
+            CHECK(spvc_type_get_num_member_types(block) == 1);
             unsigned stride = 0;
             spvc_compiler_type_struct_member_array_stride(compiler_, block, 0, &stride);
-            return {offsets(spvc_type_get_member_type(block, 0)), stride};
+            return {members_of(spvc_type_get_member_type(block, 0)), stride};
         }
         FAIL("no such binding");
         return {};
@@ -65,7 +78,7 @@ class Reflection {
         const spvc_type_id id = list(SPVC_RESOURCE_TYPE_PUSH_CONSTANT)[0].base_type_id;
         std::size_t size = 0;
         spvc_compiler_get_declared_struct_size(compiler_, type_of(id), &size);
-        return {offsets(id), static_cast<unsigned>(size)};
+        return {members_of(id), size};
     }
 
   private:
@@ -78,14 +91,31 @@ class Reflection {
     spvc_type type_of(spvc_type_id id) const {
         return spvc_compiler_get_type_handle(compiler_, id);
     }
-    std::vector<unsigned> offsets(spvc_type_id id) const {
-        // The struct itself, of which arrays are made.
+    /// Of a struct, or of the one that an array is made of; a number counts as its only member.
+    std::vector<Member> members_of(spvc_type_id id) const {
         const spvc_type type = type_of(spvc_type_get_base_type_id(type_of(id)));
-        std::vector<unsigned> result(spvc_type_get_num_member_types(type));
+        std::vector<Member> result(spvc_type_get_num_member_types(type));
         for (unsigned i = 0; i < result.size(); ++i) {
-            spvc_compiler_type_struct_member_offset(compiler_, type, i, &result[i]);
+            unsigned offset = 0;
+            spvc_compiler_type_struct_member_offset(compiler_, type, i, &offset);
+            result[i].offset = offset;
+            spvc_compiler_get_declared_struct_member_size(compiler_, type, i, &result[i].size);
+            const spvc_type_id member = spvc_type_get_member_type(type, i);
+            result[i].is_float = is_float(member);
+            const spvc_type inner = type_of(spvc_type_get_base_type_id(type_of(member)));
+            if (spvc_type_get_basetype(inner) == SPVC_BASETYPE_STRUCT) {
+                CHECK(members_of(member) ==
+                      std::vector<Member>{{0, 4, true}, {4, 4, true}, {8, 4, true}});
+            }
         }
+        if (result.empty()) result.push_back({0, 4, is_float(id)});
         return result;
+    }
+    bool is_float(spvc_type_id id) const {
+        const spvc_basetype type = spvc_type_get_basetype(type_of(id));
+        CHECK((type == SPVC_BASETYPE_FP32 || type == SPVC_BASETYPE_UINT32 ||
+               type == SPVC_BASETYPE_STRUCT));
+        return type != SPVC_BASETYPE_UINT32;
     }
 
     spvc_context context_ = nullptr;
@@ -93,79 +123,117 @@ class Reflection {
     spvc_resources resources_ = nullptr;
 };
 
-#define OFFSET(type, member) static_cast<unsigned>(offsetof(type, member))
+static_assert(sizeof(float3) == 12 && offsetof(float3, y) == 4 && offsetof(float3, z) == 8);
 
-template <typename Cluster>
-Layout cluster_layout() {
-    return {{OFFSET(Cluster, center), OFFSET(Cluster, radius), OFFSET(Cluster, spread),
-             OFFSET(Cluster, intensity), OFFSET(Cluster, axis), OFFSET(Cluster, apex),
-             OFFSET(Cluster, cosine), OFFSET(Cluster, mean_normal), OFFSET(Cluster, diffuse),
-             OFFSET(Cluster, child)},
-            sizeof(Cluster)};
+template <typename T>
+Member member_at(std::size_t offset) {
+    using Element = std::remove_all_extents_t<T>;
+    return {offset, sizeof(T), std::is_same_v<Element, float> || std::is_same_v<Element, float3>};
+}
+#define MEMBER(type, member) member_at<decltype(type::member)>(offsetof(type, member))
+
+template <typename Number>
+Layout array_of() {
+    return {{member_at<Number>(0)}, sizeof(Number)};
 }
 
-Layout node_layout() {
-    return {{OFFSET(SphereNode, x), OFFSET(SphereNode, y), OFFSET(SphereNode, z),
-             OFFSET(SphereNode, link), OFFSET(SphereNode, bounds)},
+template <typename Cluster, typename Record>
+Layout clusters() {
+    return {{MEMBER(Cluster, center), MEMBER(Cluster, radius), MEMBER(Cluster, spread),
+             MEMBER(Cluster, intensity), MEMBER(Cluster, axis), MEMBER(Cluster, apex),
+             MEMBER(Cluster, cosine), MEMBER(Cluster, mean_normal), MEMBER(Cluster, diffuse),
+             MEMBER(Cluster, child)},
+            sizeof(Record)};
+}
+
+Layout nodes() {
+    return {{MEMBER(SphereNode, x), MEMBER(SphereNode, y), MEMBER(SphereNode, z),
+             MEMBER(SphereNode, link), MEMBER(SphereNode, bounds)},
             sizeof(SphereNode)};
 }
 
-Layout order_layout() {
-    return {{OFFSET(BreadthFirst::Entry, node), OFFSET(BreadthFirst::Entry, place)},
-            sizeof(BreadthFirst::Entry)};
+Layout order() {
+    using Entry = BreadthFirst::Entry;
+    return {{MEMBER(Entry, node), MEMBER(Entry, place)}, sizeof(Entry)};
+}
+
+/// From the axis on, two 16-bit numbers to a word.
+Layout light_records() {
+    constexpr std::size_t kAxis = offsetof(LightRecord, axis);
+    static_assert(offsetof(LightRecord, cos_theta_o) == kAxis + 6);
+    return {{MEMBER(LightRecord, center), MEMBER(LightRecord, radius),
+             MEMBER(LightRecord, intensity), Member{kAxis, 4, false}, Member{kAxis + 4, 4, false},
+             Member{offsetof(LightRecord, cos_theta_e), 4, false}},
+            sizeof(LightRecord)};
+}
+
+Layout points() {
+    constexpr std::size_t kLobe = offsetof(ShadingPoint, lobe);
+    return {
+        {MEMBER(ShadingPoint, position), MEMBER(ShadingPoint, normal), MEMBER(ShadingPoint, set),
+         MEMBER(ShadingPoint, diffuse), member_at<float3>(kLobe + offsetof(GlossyLobe, axis)),
+         member_at<float>(kLobe + offsetof(GlossyLobe, alpha)),
+         member_at<float>(kLobe + offsetof(GlossyLobe, peak))},
+        sizeof(ShadingPoint)};
+}
+
+Layout selections() {
+    constexpr std::size_t kReceipt = offsetof(Selection, receipt);
+    return {{MEMBER(Selection, light), MEMBER(Selection, prob),
+             member_at<float>(kReceipt + offsetof(Receipt, weight_sum)),
+             member_at<std::uint32_t>(kReceipt + offsetof(Receipt, key))},
+            sizeof(Selection)};
+}
+
+Layout select_job() {
+    using shaders::SelectJob;
+    return {{MEMBER(SelectJob, origin), MEMBER(SelectJob, inv_scale), MEMBER(SelectJob, reach),
+             MEMBER(SelectJob, point_count), MEMBER(SelectJob, node_count)},
+            sizeof(SelectJob)};
+}
+
+Layout refit_job() {
+    using shaders::RefitJob;
+    return {{MEMBER(RefitJob, reach), MEMBER(RefitJob, key_low), MEMBER(RefitJob, key_high),
+             MEMBER(RefitJob, node_count), MEMBER(RefitJob, level_count)},
+            sizeof(RefitJob)};
+}
+
+/// In the order of the bindings: all that there are.
+void check(Span<const std::uint32_t> code, const std::vector<Layout>& buffers, const Layout& job) {
+    const Reflection shader(code);
+    CHECK(shader.buffer_count() == buffers.size());
+    for (unsigned i = 0; i < buffers.size(); ++i) {
+        CAPTURE(i);
+        CHECK(shader.of_binding(i) == buffers[i]);
+    }
+    CHECK(shader.of_push_constants() == job);
 }
 
 }  // namespace
 
 TEST_CASE("shaders have the records of the processor as they lie") {
-    const Reflection select(shaders::select());
-    CHECK(select.of_binding(0) == node_layout());
-    CHECK(select.of_binding(1) == order_layout());
-    CHECK(select.of_binding(3) == cluster_layout<ClusterMeans<1>>());
-    CHECK(sizeof(LightGroup) == sizeof(ClusterMeans<1>));
-    CHECK(select.of_binding(4) == cluster_layout<ClusterMeans<LightBvhNode::kWidth>>());
-    CHECK(sizeof(MeansNode) == sizeof(ClusterMeans<LightBvhNode::kWidth>));
-    constexpr unsigned kLobe = OFFSET(ShadingPoint, lobe);
-    CHECK(select.of_binding(5) ==
-          Layout{{OFFSET(ShadingPoint, position), OFFSET(ShadingPoint, normal),
-                  OFFSET(ShadingPoint, set), OFFSET(ShadingPoint, diffuse),
-                  kLobe + OFFSET(GlossyLobe, axis), kLobe + OFFSET(GlossyLobe, alpha),
-                  kLobe + OFFSET(GlossyLobe, peak)},
-                 sizeof(ShadingPoint)});
-    constexpr unsigned kReceipt = OFFSET(Selection, receipt);
-    CHECK(select.of_binding(7) ==
-          Layout{{OFFSET(Selection, light), OFFSET(Selection, prob),
-                  kReceipt + OFFSET(Receipt, weight_sum), kReceipt + OFFSET(Receipt, key)},
-                 sizeof(Selection)});
-    using shaders::SelectJob;
-    CHECK(select.of_push_constants() ==
-          Layout{{OFFSET(SelectJob, origin), OFFSET(SelectJob, inv_scale), OFFSET(SelectJob, reach),
-                  OFFSET(SelectJob, point_count), OFFSET(SelectJob, node_count)},
-                 sizeof(SelectJob)});
-
-    const Reflection paper(shaders::paper());
-    CHECK(paper.of_binding(0) == node_layout());
-    // From the axis on, two 16-bit numbers to a word.
-    constexpr unsigned kAxis = OFFSET(LightRecord, axis);
-    CHECK(paper.of_binding(3) == Layout{{OFFSET(LightRecord, center), OFFSET(LightRecord, radius),
-                                         OFFSET(LightRecord, intensity), kAxis, kAxis + 4,
-                                         OFFSET(LightRecord, cos_theta_e)},
-                                        sizeof(LightRecord)});
-    CHECK(paper.of_push_constants() == select.of_push_constants());
-
-    const Reflection refit(shaders::refit());
-    CHECK(refit.of_binding(0) == node_layout());
-    CHECK(refit.of_binding(1) == order_layout());
-    CHECK(refit.of_binding(3) ==
-          Layout{{OFFSET(float3, x), OFFSET(float3, y), OFFSET(float3, z)}, sizeof(float3)});
-    CHECK(refit.of_binding(4) == Layout{{OFFSET(RangedLight, center), OFFSET(RangedLight, radius),
-                                         OFFSET(RangedLight, intensity)},
-                                        sizeof(RangedLight)});
-    using shaders::RefitJob;
-    CHECK(refit.of_push_constants() ==
-          Layout{{OFFSET(RefitJob, reach), OFFSET(RefitJob, key_low), OFFSET(RefitJob, key_high),
-                  OFFSET(RefitJob, node_count), OFFSET(RefitJob, level_count)},
-                 sizeof(RefitJob)});
+    const Layout groups = clusters<ClusterMeans<1>, LightGroup>(),
+                 bvh = clusters<ClusterMeans<LightBvhNode::kWidth>, MeansNode>(),
+                 floats = array_of<float>(), numbers = array_of<std::uint32_t>(),
+                 centers{{MEMBER(float3, x), MEMBER(float3, y), MEMBER(float3, z)}, sizeof(float3)},
+                 ranged{{MEMBER(RangedLight, center), MEMBER(RangedLight, radius),
+                         MEMBER(RangedLight, intensity)},
+                        sizeof(RangedLight)};
+    SUBCASE("select") {
+        check(shaders::select(),
+              {nodes(), order(), floats, groups, bvh, points(), floats, selections()},
+              select_job());
+    }
+    SUBCASE("paper") {
+        check(shaders::paper(),
+              {nodes(), order(), floats, light_records(), numbers, points(), floats, selections()},
+              select_job());
+    }
+    SUBCASE("refit") {
+        check(shaders::refit(),
+              {nodes(), order(), floats, centers, ranged, numbers, numbers, floats}, refit_job());
+    }
 }
 
 TEST_CASE("no arithmetic of a shader may be contracted") {
