@@ -121,10 +121,15 @@ class RenderSettings:
     threads: int
 
     def __post_init__(self) -> None:
-        memory.check_image(checks.size(self.size))
-        checks.whole_number("max_depth", self.max_depth, 1)
-        checks.whole_number("seed", self.seed, most=checks.MOST_64_BITS)
-        checks.whole_number("threads", self.threads)
+        checked = {
+            "size": checks.size(self.size),
+            "max_depth": checks.whole_number("max_depth", self.max_depth, 1),
+            "seed": checks.whole_number("seed", self.seed, most=checks.MOST_64_BITS),
+            "threads": checks.whole_number("threads", self.threads),
+        }
+        for name, value in checked.items():  # numbers of any kind become Python's
+            object.__setattr__(self, name, value)
+        memory.check_image(self.size)
 
 
 class RenderJob:
@@ -274,7 +279,10 @@ def render(
         interrupted = _run(job, budget, progress, None)
     else:
         version = machine.build_id()
-        key = RenderKey(scene.name, scene.digest(), sampler, size, max_depth, seed, version)
+        key = RenderKey(
+            scene.name, scene.digest(), checks.text("sampler", sampler), settings.size,
+            settings.max_depth, settings.seed, version,
+        )  # fmt: skip
         keeper = Keeper(key, checkpoint=checkpoint, every=every, resume=resume)
         if keeper.before is not None and spp is not None and keeper.before.stats.passes > spp:
             passes = keeper.before.stats.passes

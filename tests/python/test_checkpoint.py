@@ -92,6 +92,14 @@ def test_a_checkpoint_of_another_scene_or_version_is_refused(
         render(3, resume=tmp_path / "a")
 
 
+def test_numbers_of_any_kind_are_those_of_the_checkpoint(tmp_path: Path) -> None:
+    """Of NumPy's, and a list for a size, none would have been written, or gone on from."""
+    whole = render(3)
+    render(2, checkpoint=tmp_path / "a", size=list(np.array(SIZE)), max_depth=np.uint8(3))
+    resumed = render(3, resume=tmp_path / "a", size=np.array(SIZE), seed=np.uint64(3))
+    assert np.array_equal(resumed.image, whole.image)
+
+
 def test_a_file_that_is_there_is_not_lost(tmp_path: Path) -> None:
     render(1, checkpoint=tmp_path / "a")
     with pytest.raises(lightcull.Error, match="a: is there already: resume it, or remove it"):
