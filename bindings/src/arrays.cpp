@@ -1,6 +1,7 @@
 #include "arrays.h"
 
 #include <algorithm>
+#include <cstdint>
 
 namespace lightcull::python {
 namespace {
@@ -47,6 +48,14 @@ bool is_contiguous(const py::buffer_info& info) {
     return true;
 }
 
+/// Records are made of numbers of 4 bytes.
+bool is_aligned(const py::buffer_info& info, const py::object& dtype) {
+    const bool is_record = !dtype.attr("names").is_none();
+    const std::uintptr_t alignment =
+        is_record ? alignof(float) : static_cast<std::uintptr_t>(info.itemsize);
+    return reinterpret_cast<std::uintptr_t>(info.ptr) % alignment == 0;
+}
+
 }  // namespace
 
 py::buffer_info read_array(const py::handle& array, const char* name, const ArraySpec& spec) {
@@ -57,6 +66,8 @@ py::buffer_info read_array(const py::handle& array, const char* name, const Arra
     if (!matches(info.shape, spec.shape)) throw_type_error(array, name, spec, "");
     if (info.size > 0 && !is_contiguous(info))
         throw_type_error(array, name, spec, " that is not C-contiguous");
+    if (info.size > 0 && !is_aligned(info, spec.dtype))
+        throw_type_error(array, name, spec, " that is not aligned");
     return info;
 }
 

@@ -52,6 +52,21 @@ def test_a_view_of_whole_rows_is_contiguous_enough() -> None:
         add(positions=twice[::2])
 
 
+def not_aligned(array: np.ndarray) -> np.ndarray:
+    data = np.frombuffer(b"-" + array.tobytes(), np.uint8)[1:]
+    return data.view(array.dtype).reshape(array.shape)
+
+
+def test_numbers_stand_where_the_processor_wants_them() -> None:
+    for name, array in (("positions", FLOOR), ("indices", QUAD)):
+        with pytest.raises(TypeError, match=f"{name}: wanted .* that is not aligned"):
+            add(**{name: not_aligned(array)})
+    lights = lightcull.point_lights(FLOOR, np.ones(4, np.float32))
+    with pytest.raises(TypeError, match="lights: wanted .* that is not aligned"):
+        lightcull.LightSampler(np.frombuffer(b"-" + lights.tobytes(), lights.dtype, offset=1))
+    lightcull.LightSampler(lights[1:])
+
+
 def test_an_array_that_cannot_be_written_is_read() -> None:
     positions = FLOOR.copy()
     positions.flags.writeable = False
