@@ -258,7 +258,7 @@ def test_gltf_image_that_cannot_be_read(tmp_path: Path) -> None:
     file.node(mesh=file.quad(file.add("materials", {"emissiveTexture": texture})))
     message = warning_of(file.write(tmp_path / "a.gltf"))
     assert "missing file 'nowhere.png' (1)" in message
-    assert "images that cannot be read (1)" in message
+    assert "emissiveTexture of material 0, whose image cannot be read (1)" in message
 
 
 @pytest.mark.parametrize(

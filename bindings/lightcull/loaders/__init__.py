@@ -86,7 +86,7 @@ def open_scene(name_or_path: str) -> Scene:
     if name_or_path in scenes.NAMES:
         return example_scene(name_or_path)
     path = Path(checks.path("scene", name_or_path))
-    if os.path.exists(path) or path.suffix.lower() in _LOADERS:
+    if os.path.exists(name_or_path) or path.suffix.lower() in _LOADERS:
         return load(name_or_path)
     raise Error(
         f"{name_or_path!r} is neither a file nor an example scene"

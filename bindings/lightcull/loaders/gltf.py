@@ -175,14 +175,15 @@ class _Surfaces:
 
     def _texture(self, parsed: Any, slot: str, has_uvs: bool) -> int | None:
         image = getattr(parsed, slot)
+        name = f"{slot} of material {parsed.name}"
         if image is None:
-            self._notes.left_out("images that cannot be read")
+            self._notes.left_out(f"{name}, whose image cannot be read")
             return None
         if not has_uvs:
             self._notes.left_out("textures on meshes without texture coordinates")
             return None
         return self._scene.add_texture(
-            texels_of(image, linear_data=slot == "metallicRoughnessTexture")
+            texels_of(name, image, linear_data=slot == "metallicRoughnessTexture")
         )
 
 

@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+import io
+import logging
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, BinaryIO
 
 import numpy as np
 import trimesh
+from PIL import Image
 
 from .._core import Error
 from ..scene import Scene
 from .notes import Notes
+
+# Where nobody listens, Python prints what it warns of, with a traceback; we say it ourselves.
+logging.getLogger("trimesh").addHandler(logging.NullHandler())
 
 
 @dataclass(frozen=True)
@@ -25,22 +31,44 @@ class Surface:
 
 
 class NotingResolver(trimesh.resolvers.FilePathResolver):
-    """Finds the files that a file refers to, and notes those that are not there or not readable;
-    trimesh goes on without them and says nothing.
+    """Finds the files that a file refers to, and notes those that are not there, not readable or
+    should be images and are none; trimesh goes on without them and says nothing.
     """
 
     def __init__(self, path: Path, notes: Notes) -> None:
         super().__init__(str(path))
+        self._folder = path.parent
+        self._refers_to_images = path.suffix.lower() in (".obj", ".ply")
         self._notes = notes
 
     def get(self, name: str) -> bytes:
+        data = self._read(name)
+        if name.lower().endswith(".mtl"):
+            return data.decode("utf-8", errors="replace").encode()
+        if self._refers_to_images and not _is_image(data):
+            self._notes.left_out(f"image {name!r} that cannot be read")
+        return data
+
+    def _read(self, name: str) -> bytes:
+        place = self._folder / name
         try:
-            data = bytes(super().get(name))
+            if place.exists() and not place.is_file():  # a pipe may never end
+                raise FileNotFoundError(name)
+            return bytes(super().get(name))
         except OSError:
             self._notes.left_out(f"missing file {name!r}")
             raise
-        is_text = name.lower().endswith(".mtl")
-        return data.decode("utf-8", errors="replace").encode() if is_text else data
+        except ValueError:
+            self._notes.left_out(f"file {name!r}, which is outside of the scene's folder")
+            raise
+
+
+def _is_image(data: bytes) -> bool:
+    try:
+        Image.open(io.BytesIO(data)).close()
+    except Exception:  # PIL lets through what its decoders meet
+        return False
+    return True
 
 
 def parse(path: Path, stream: BinaryIO, notes: Notes) -> trimesh.Scene:
@@ -55,7 +83,7 @@ def parse(path: Path, stream: BinaryIO, notes: Notes) -> trimesh.Scene:
     except Error:
         raise
     except Exception as error:  # trimesh lets through whatever its parsers meet
-        reason = " ".join(str(error).split()) or type(error).__name__
+        reason = " ".join(str(error).split()) or f"its data make no sense ({type(error).__name__})"
         raise Error(f"cannot be read: {reason}") from error
 
 

@@ -42,7 +42,7 @@ def fill_from_ply(path: Path, scene: Scene, notes: Notes) -> None:
     for name, geometry in parsed.geometry.items():
         _note_vertex_colors(geometry, notes)
         image = getattr(_material(geometry), "image", None)
-        texture = scene.add_texture(texels_of(image)) if image is not None else None
+        texture = scene.add_texture(texels_of("its texture", image)) if image is not None else None
         grey = 0.5 if texture is None else 1.0
         material = scene.add_material(
             base_color=(grey, grey, grey),
@@ -84,7 +84,7 @@ def _obj_surface(path: Path, scene: Scene, geometry: Any, notes: Notes) -> Surfa
     has_uvs = uvs_of(geometry) is not None
     color, texture = _rgb(statements, "kd", 0.5), None
     if material.image is not None and has_uvs:
-        texture = scene.add_texture(texels_of(material.image))
+        texture = scene.add_texture(texels_of(_image_name(material.image), material.image))
         color = _rgb(statements, "kd", 1.0)
     emission_texture = None
     if "map_ke" in statements and has_uvs:
@@ -94,6 +94,11 @@ def _obj_surface(path: Path, scene: Scene, geometry: Any, notes: Notes) -> Surfa
         _rgb(statements, "ke", 0.0 if emission_texture is None else 1.0),
         emission_texture,
     )
+
+
+def _image_name(image: Any) -> str:
+    """As the file has it, where this trimesh keeps it."""
+    return str(image.info.get("file_path", "map_Kd"))
 
 
 def _note_mtl_statements(name: str, statements: dict[str, Any], notes: Notes) -> None:

@@ -9,12 +9,12 @@ import numpy as np
 from .._core import Error
 
 
-def texels_of(image: Any, linear_data: bool = False) -> np.ndarray:
-    """A PIL image as float32 (H, W, 3), decoded from sRGB unless it is linear data."""
+def texels_of(name: str, image: Any, linear_data: bool = False) -> np.ndarray:
+    """A PIL image as float32 (H, W, 3), decoded from sRGB unless it is linear data. name: for errors."""
     try:
         image.load()
     except Exception as error:  # PIL reads pixels late, and lets through what its decoders meet
-        raise Error(f"an image cannot be read: {' '.join(str(error).split())}") from error
+        raise Error(f"{name}: cannot read: {' '.join(str(error).split())}") from error
     if image.mode.startswith("I"):
         values = np.asarray(image, dtype=np.float32)[..., None] / 65535.0
     else:
