@@ -24,27 +24,6 @@ float clamp_reach(double reach) noexcept {
     return static_cast<float>(std::clamp(reach, kLeastReach, kGreatestReach));
 }
 
-void check(const RangeOptions& options) {
-    const auto positive = [](float value, const char* name) {
-        if (!(value > 0.0f && std::isfinite(value))) {
-            throw Error(std::string(name) + " is " + std::to_string(value) +
-                        ", wanted finite and above 0");
-        }
-    };
-    if (options.error_bound) positive(*options.error_bound, "error_bound");
-    positive(options.expected_accepted, "expected_accepted");
-    positive(options.exposure, "exposure");
-    for (std::size_t i = 0; i < options.calibration_points.size(); ++i) {
-        const ShadingPoint& point = options.calibration_points[i];
-        const GlossyLobe& lobe = point.lobe;
-        if (!is_finite(point.position) || !is_finite(point.normal) || !is_finite(lobe.axis) ||
-            !std::isfinite(point.diffuse) || !std::isfinite(lobe.alpha) ||
-            !std::isfinite(lobe.peak)) {
-            throw Error("calibration point " + std::to_string(i) + " is not finite");
-        }
-    }
-}
-
 /// [TH16] Eq. 7, or appendix A, for the given epsilon_max.
 double reach_of_error_bound(const RangedScene& scene, const RangeOptions& options, RangeLaw law) {
     const double error_bound = *options.error_bound, exposure = options.exposure;
@@ -157,6 +136,27 @@ double reach_of_expected_count(const RangedScene& scene, const RangeOptions& opt
 
 }  // namespace
 
+void check_range_options(const RangeOptions& options) {
+    const auto positive = [](float value, const char* name) {
+        if (!(value > 0.0f && std::isfinite(value))) {
+            throw Error(std::string(name) + " is " + std::to_string(value) +
+                        ", wanted finite and above 0");
+        }
+    };
+    if (options.error_bound) positive(*options.error_bound, "error_bound");
+    positive(options.expected_accepted, "expected_accepted");
+    positive(options.exposure, "exposure");
+    for (std::size_t i = 0; i < options.calibration_points.size(); ++i) {
+        const ShadingPoint& point = options.calibration_points[i];
+        const GlossyLobe& lobe = point.lobe;
+        if (!is_finite(point.position) || !is_finite(point.normal) || !is_finite(lobe.axis) ||
+            !std::isfinite(point.diffuse) || !std::isfinite(lobe.alpha) ||
+            !std::isfinite(lobe.peak)) {
+            throw Error("calibration point " + std::to_string(i) + " is not finite");
+        }
+    }
+}
+
 RangedScene ranged_scene(const LightTable& table) {
     RangedScene scene{table.frame, {}, [&table](std::size_t i, const LightBvhPoint& point) {
                           const LightRecord& light = table.records[table.lit[i]];
@@ -178,7 +178,7 @@ RangedScene ranged_scene(const LightGroups& groups, const Frame& frame) {
 }
 
 float calibrate_reach(const RangedScene& scene, const RangeOptions& options, RangeLaw law) {
-    check(options);
+    check_range_options(options);
     if (scene.lights.empty()) return 1.0f;
     return clamp_reach(options.error_bound ? reach_of_error_bound(scene, options, law)
                                            : reach_of_expected_count(scene, options, law));

@@ -1,4 +1,5 @@
 #include "base/description.h"
+#include "lights/range_calibration.h"
 
 #include <lightcull/virtual_lights/virtual_light_renderer.h>
 
@@ -36,6 +37,7 @@ void take_range(Description& description, RangeOptions& range) {
     }
     description.take_number("accepted", range.expected_accepted);
     description.take_number("exposure", range.exposure);
+    check_range_options(range);
 }
 
 void take_grid(Description& description, VirtualLightOptions& options) {
@@ -44,7 +46,9 @@ void take_grid(Description& description, VirtualLightOptions& options) {
     description.take_number("alpha", options.alpha);
     description.take_number("samples", options.shadow_samples);
     take_named(description, "build", kBuilds, options.grid_build);
-    if (!(options.alpha > 0.0f)) description.fail("alpha is not above 0");
+    if (!(options.alpha > 0.0f && std::isfinite(options.alpha))) {
+        description.fail("alpha is not finite and above 0");
+    }
     if (options.shadow_samples < 1 || options.shadow_samples > 1024) {
         description.fail("samples is not in [1, 1024]");
     }

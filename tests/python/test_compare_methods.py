@@ -78,11 +78,41 @@ def test_constant_ranges_accept_in_proportion_to_the_lights() -> None:
         (("--methods", "vpl"), "unknown; there are path"),
         (("--methods", "path", "--spp", "3"), "--spp: methods are compared in equal time"),
         (("--methods", "path", "--most-lights", "0"), "wanted a whole number from 1 up"),
+        (("--methods", "path", "--samplers", "power"), "--samplers: not with --methods"),
+        (("--methods", "path", "--reference-seconds", "1"), "--reference-seconds: not with --meth"),
+        (("--most-lights", "2048"), "--most-lights: only with --methods"),
+        (("--methods", "vpl_all", "--max-depth", "6"), "max_depth is 6, wanted 3 to 5"),
+        (("--methods", "path", "--max-depth", "2"), "max_depth is 2: virtual lights give"),
     ],
 )
 def test_what_cannot_be_compared_is_refused(
-    main_here: Callable[..., Outcome], options: tuple[str, ...], says: str
+    main_here: Callable[..., Outcome], tmp_path: Path, options: tuple[str, ...], says: str
 ) -> None:
-    outcome = main_here("compare", "cornell", *options)
+    """At once: nobody would wait for a reference of 480 seconds."""
+    outcome = main_here("compare", "cornell", *options, "-o", "r")
     assert outcome.returncode != 0
     assert says in outcome.stderr
+    assert len(outcome.stderr.splitlines()) == 1
+    assert not (tmp_path / "r").exists()
+
+
+@pytest.mark.parametrize(
+    ("options", "kind", "message"),
+    [
+        ({"methods": "path"}, TypeError, "methods: wanted several, got 'path'"),
+        ({"methods": []}, lightcull.Error, "methods: wanted one at least"),
+        ({"methods": [3]}, TypeError, "method: wanted a string, got 3"),
+        ({"scene": None}, TypeError, "scene: wanted a lightcull.Scene, got None"),
+        ({"seconds": float("nan")}, lightcull.Error, "seconds: wanted more than 0, got nan"),
+        ({"seconds": "a"}, TypeError, "seconds: wanted a number, got 'a'"),
+        ({"most_lights": 2**31}, lightcull.Error, "most_lights: wanted at most 67108864"),
+        ({"most_lights": 0}, lightcull.Error, "most_lights: wanted a whole number from 1 up"),
+        ({"threads": 65536}, lightcull.Error, "threads is above 65535"),
+        ({"folder": "/proc/r"}, lightcull.Error, "/proc/r: cannot write there"),
+    ],
+)
+def test_arguments_that_make_no_sense_are_named(
+    options: dict[str, object], kind: type[Exception], message: str
+) -> None:
+    with pytest.raises(kind, match=message):
+        lightcull.compare_methods(**{"scene": make_room(), "methods": ["path"], **options})

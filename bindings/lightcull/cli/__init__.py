@@ -10,6 +10,7 @@ from rich.console import Console
 from .._core import Error
 from .commands import COMMANDS
 from .options import make_parser
+from .texts import one_line
 
 _ERROR, _INTERRUPTED = 1, 130
 
@@ -23,12 +24,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         completed = COMMANDS[options.command](options, arguments, messages)
         return 0 if completed else _INTERRUPTED
     except KeyboardInterrupt as stop:
-        reason = str(stop) or "interrupted before there was anything to save"
+        reason = one_line(stop) or "interrupted before there was anything to save"
         messages.print(f"lightcull: {reason}", markup=False)
         return _INTERRUPTED
     except MemoryError:
         messages.print("lightcull: error: there is not enough memory", style="red", markup=False)
         return _ERROR
     except (Error, OSError) as error:
-        messages.print(f"lightcull: error: {error}", style="red", markup=False)
+        messages.print(f"lightcull: error: {one_line(error)}", style="red", markup=False)
         return _ERROR

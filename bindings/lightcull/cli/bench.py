@@ -17,7 +17,7 @@ from rich.table import Table
 
 from .. import scenes
 from .._core import Error
-from ..bench import Row, bench
+from ..bench import DEFAULT_SAMPLERS, Row, bench
 from ..images import check_output, write_whole_file
 from ..loaders import example_scene, open_scene
 from ..scene import Scene
@@ -55,7 +55,7 @@ def _bench(scene: Scene, options: argparse.Namespace, messages: Console, rows: l
         with messages.status(scene.name) as status:
             for row in bench(
                 scene,
-                options.samplers,
+                options.samplers or DEFAULT_SAMPLERS,
                 size=options.size,
                 threads=options.threads,
                 targets=options.targets,

@@ -18,15 +18,17 @@ from rich.table import Table
 
 from .. import _core, memory
 from .._core import Error
-from ..compare import compare
+from ..compare import DEFAULT_SAMPLERS, compare
 from ..images import apply_view, check_format, check_output, check_writable, make_folder
 from ..loaders import open_scene
 from ..methods import compare_methods
+from ..methods.run import MOST_LIGHTS
 from ..render import RenderJob, RenderSettings, render
 from ..scene import Scene
 from ..virtual_lights import PATH
 from . import bench, selftest
 from .bars import Bars
+from .texts import one_line
 
 if TYPE_CHECKING:
     from ..mitsuba.scene import MitsubaScene
@@ -109,6 +111,9 @@ def _compare_methods(
     check_writable(folder)
     if options.spp is not None:
         raise Error("--spp: methods are compared in equal time, give --seconds")
+    for name in ("samplers", "reference_seconds"):
+        if getattr(options, name) is not None:
+            raise Error(f"--{name.replace('_', '-')}: not with --methods")
     with _warnings_to(messages):
         scene = _open(options)
         if not isinstance(scene, Scene):
@@ -122,7 +127,7 @@ def _compare_methods(
                 max_depth=options.max_depth,
                 seed=options.seed,
                 threads=options.threads,
-                most_lights=options.most_lights,
+                most_lights=options.most_lights or MOST_LIGHTS,
                 folder=folder,
                 command=shlex.join(["lightcull", *arguments]),
                 progress=status.update,
@@ -136,6 +141,8 @@ def _compare_methods(
 def _compare(options: argparse.Namespace, arguments: Sequence[str], messages: Console) -> bool:
     if options.methods is not None:
         return _compare_methods(options, arguments, messages)
+    if options.most_lights is not None:
+        raise Error("--most-lights: only with --methods")
     folder = Path("report" if options.output is None else options.output)
     check_writable(folder)
     with _warnings_to(messages):
@@ -143,7 +150,7 @@ def _compare(options: argparse.Namespace, arguments: Sequence[str], messages: Co
         with Bars(messages) as bars:
             comparison = compare(
                 scene,
-                options.samplers,
+                options.samplers or DEFAULT_SAMPLERS,
                 reference_seconds=options.reference_seconds,
                 folder=folder,
                 command=shlex.join(["lightcull", *arguments]),
@@ -282,7 +289,7 @@ def _warnings_to(messages: Console) -> Iterator[None]:
     with warnings.catch_warnings():
         warnings.simplefilter("always")
         warnings.showwarning = lambda message, *_: messages.print(
-            f"lightcull: warning: {message}", style="yellow", markup=False
+            f"lightcull: warning: {one_line(message)}", style="yellow", markup=False
         )
         yield
 

@@ -27,7 +27,7 @@ class _Parser(argparse.ArgumentParser):
     """Says what is wrong in one line."""
 
     def error(self, message: str) -> NoReturn:
-        self.exit(2, f"{self.prog}: error: {message} (see {self.prog} --help)\n")
+        self.exit(2, f"{self.prog}: error: {texts.one_line(message)} (see {self.prog} --help)\n")
 
 
 def make_parser() -> argparse.ArgumentParser:
@@ -74,7 +74,7 @@ def make_parser() -> argparse.ArgumentParser:
         help="compare how light that bounces is found instead; see `lightcull render --help`",
     )  # fmt: skip
     compare.add_argument(
-        "--most-lights", type=_from_one, default=MOST_LIGHTS, metavar="N",
+        "--most-lights", type=_from_one, metavar="N",
         help=f"of --methods: light paths up to which virtual lights are scaled; default: {MOST_LIGHTS}",
     )  # fmt: skip
     compare.add_argument(
@@ -119,11 +119,7 @@ def _add_image(parser: argparse.ArgumentParser) -> None:
 
 def _add_samplers(parser: argparse.ArgumentParser, default: Sequence[str]) -> None:
     parser.add_argument(
-        "--samplers",
-        type=_samplers,
-        default=list(default),
-        metavar="A,B,...",
-        help=f"default: {','.join(default)}",
+        "--samplers", type=_samplers, metavar="A,B,...", help=f"default: {','.join(default)}"
     )
 
 

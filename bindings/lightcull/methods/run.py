@@ -11,9 +11,9 @@ from .._core import Error
 from ..images import check_writable
 from ..render import RenderSettings
 from ..scene import Scene
-from ..virtual_lights import check_method
+from ..virtual_lights import VirtualLightJob, check_method
 from . import hierarchy, page, race, scaling, volumes
-from .measure import Bench
+from .measure import DIRECT_SAMPLER, Bench
 from .model import MethodReport
 
 MOST_LIGHTS = 1048576
@@ -40,8 +40,12 @@ def compare_methods(
     threads: 0 for all. folder: where index.html, methods.json and pictures are written; None: none.
     command: what the report says made it. progress: called with what is being done, in words.
     """
+    if isinstance(methods, str):
+        raise TypeError(f"methods: wanted several, got {methods!r}")
     if not methods:
         raise Error("methods: wanted one at least")
+    if not isinstance(scene, Scene):
+        raise TypeError(f"scene: wanted a lightcull.Scene, got {scene!r}")
     for method in methods:
         check_method(method)
     if checks.whole_number("most_lights", most_lights, 1) > 2**26:
@@ -56,6 +60,7 @@ def compare_methods(
             progress(f"{stage}, {fraction:.0%}")
 
     settings = RenderSettings(size, max_depth, seed, threads)
+    VirtualLightJob(scene, "vpl_all", DIRECT_SAMPLER, settings)  # what it refuses, it refuses now
     bench = Bench(scene, settings, most_lights, seconds, report)
     studies = (
         race.equal_time(bench, tuple(dict.fromkeys(methods))),
