@@ -76,6 +76,24 @@ def test_the_worst_finding_is_shown() -> None:
     assert worst([Finding("a", 1, 0), bad]).what == "a"
 
 
+def test_results_are_shown_before_their_file_is_written(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    """The file may not come to be."""
+    folder = tmp_path / "new"
+
+    def find():
+        folder.write_text("")
+        yield Finding("x", 0.0, 0.0)
+
+    module = importlib.import_module("lightcull.selftest.run")
+    monkeypatch.setattr(module, "all_cases", lambda: [Case("case", find, once=True)])
+    assert main(["selftest", "--json", str(folder / "a.json")]) == 1
+    output = capsys.readouterr()
+    assert output.out.splitlines()[-1] == "1 passed, 0 failed"
+    assert "cannot make this folder" in output.err
+
+
 def test_the_instruction_set_is_put_back() -> None:
     before = _core.instruction_set()
     used = []

@@ -26,9 +26,6 @@ def run(options: argparse.Namespace, arguments: Sequence[str], messages: Console
     with messages.status("") as status:
         for result in selftest.run(progress=status.update):
             results.append(result)
-    if options.json is not None:
-        text = json.dumps([_row(result) for result in results], indent=2, allow_nan=False)
-        write_whole_file(options.json, (text + "\n").encode())
     Console(highlight=False).print(_table(results))
     failed = [result for result in results if not result.passed]
     for result in failed:
@@ -38,6 +35,9 @@ def run(options: argparse.Namespace, arguments: Sequence[str], messages: Console
             f"{finding.error:.3g}, allowed {finding.allowed:.3g}"
         )
     print(f"{len(results) - len(failed)} passed, {len(failed)} failed")
+    if options.json is not None:
+        text = json.dumps([_row(result) for result in results], indent=2, allow_nan=False)
+        write_whole_file(options.json, (text + "\n").encode())
     if failed:
         raise Error("the hard cases have not all passed")
     return True
