@@ -329,7 +329,9 @@ class Scene:
 
 
 def _texture_id(name: str, texture: int | None) -> int:
-    return _core.NO_TEXTURE if texture is None else checks.whole_number(name, texture)
+    if texture is None:
+        return _core.NO_TEXTURE
+    return checks.whole_number(name, texture, most=_core.NO_TEXTURE - 1)
 
 
 def _triple(vector: Vector) -> tuple[float, float, float]:
@@ -344,4 +346,5 @@ def _environment_texels(map_or_rgb: TextureSource | Vector) -> np.ndarray:
         return map_or_rgb
     if np.shape(map_or_rgb) != (3,):
         raise TypeError(f"environment: wanted a path, a map or three numbers, got {map_or_rgb!r}")
-    return np.array(map_or_rgb, dtype=np.float32).reshape(1, 1, 3)
+    with np.errstate(over="ignore"):  # what is infinite then is refused
+        return np.array(map_or_rgb, dtype=np.float32).reshape(1, 1, 3)

@@ -92,6 +92,7 @@ Image read_image(const std::string& path, bool linear_data) {
     if (path.find('\0') != std::string::npos) {
         fail(path.substr(0, path.find('\0')) + "\\0...", "no name of a file");
     }
+    if (path.empty()) fail("''", "no name of a file");
     std::error_code ignored;
     const auto status = std::filesystem::status(path, ignored);
     // A device or a pipe may never end.

@@ -138,6 +138,7 @@ void write_whole_file(const std::string& path, Span<const unsigned char> bytes) 
     if (path.find('\0') != std::string::npos) {
         throw Error(path.substr(0, path.find('\0')) + "\\0...: cannot write: no name of a file");
     }
+    if (path.empty()) throw Error("'': cannot write: no name of a file");
     std::error_code error;
     const auto status = fs::status(path, error);
     if (error == std::errc::too_many_symbolic_link_levels) fail(path, ELOOP);

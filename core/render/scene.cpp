@@ -222,6 +222,10 @@ void Scene::set_environment(Environment environment) {
     check::texture("environment: map", environment.map);
     check::radiometric("environment: scale", environment.scale);
     check::finite("environment: rotation", environment.rotation);
+    const V3f scale = to_v3f(environment.scale);
+    for (const float3 texel : environment.map.texels) {
+        check::finite("environment: map times scale", to_float3(to_v3f(texel) * scale));
+    }
     impl_->environment.emplace(std::move(environment));
 }
 

@@ -171,8 +171,25 @@ def only_line(text: str) -> str:
             lightcull.Error,
             "base_color_texture: wanted a whole number from 0 up, got 'wood'",
         ),
+        (
+            lambda: lightcull.Scene().add_material(base_color_texture=2**32 - 1),
+            lightcull.Error,
+            "base_color_texture: wanted at most 4294967294, got 4294967295",
+        ),
         (lambda: lightcull.Scene().add_material(roughness="a"), TypeError, "roughness: wanted a nu"),
         (lambda: lightcull.Scene().add_texture(None), TypeError, "texture: wanted a path, got None"),
+        (lambda: lightcull.Scene().add_texture(""), lightcull.Error, "'': cannot read: no name of"),
+        (
+            lambda: lightcull.Scene().set_environment((1e30, 1, 1), scale=1e30),
+            lightcull.Error,
+            "environment: map times scale is not finite",
+        ),
+        (
+            lambda: lightcull.Scene().set_environment((1e300, 1, 1)),
+            lightcull.Error,
+            "environment: map: texels[0] is not finite",
+        ),
+        (lambda: lightcull.open_scene(""), lightcull.Error, "'' is neither a file nor an example"),
         (lambda: lightcull.Scene().add_texture("a\0b"), lightcull.Error, "no name of a file"),
         (lambda: render(size=(8,)), lightcull.Error, "size: wanted (width, height), got (8,)"),
         (lambda: render(size=8), lightcull.Error, "size: wanted (width, height), got 8"),
@@ -282,6 +299,9 @@ def test_an_image_that_is_black_says_so() -> None:
         ("--exposure", "nan"),
         ("--every", "0"),
         ("--sampler", ""),
+        ("--sampler", "cul\nled"),
+        ("--method", "vpl\nall"),
+        ("--resume", "no\nfile"),
         ("--view", "sepia", "-o", "a.png"),
         ("-o", ""),
         ("-o", "."),
@@ -403,6 +423,54 @@ def test_textures_that_are_missing_cut_or_no_images(tmp_path: Path, ending: str)
         with pytest.raises(lightcull.Error, match=rf"a\.{ending}: cannot read: ") as caught:
             lightcull.Scene().add_texture(path)
         only_line(str(caught.value))
+
+
+def test_other_files_that_a_file_names(tmp_path: Path) -> None:
+    """They are left out, and named."""
+    (tmp_path / "none.png").write_bytes(b"no image")
+    os.mkfifo(tmp_path / "pipe.png")
+    lightcull.write_png(tmp_path / "cut.png", np.random.default_rng(4).random((64, 64, 3), np.float32))
+    whole = (tmp_path / "cut.png").read_bytes()
+    (tmp_path / "cut.png").write_bytes(whole[: len(whole) // 2])
+    for image, message in (
+        ("gone.png", "missing file 'gone.png'"),
+        ("none.png", "image 'none.png' that cannot be read"),
+        ("pipe.png", "missing file 'pipe.png'"),
+        ("../gone.png", "file '../gone.png', which is outside|missing file '../gone.png'"),
+        ("cut.png", "cannot read: image file is truncated"),
+    ):
+        for path in (obj_with(tmp_path, image), ply_with(tmp_path, image)):
+            with warnings.catch_warnings():
+                warnings.simplefilter("error")
+                with pytest.raises((lightcull.UnsupportedWarning, lightcull.Error), match=message):
+                    lightcull.load(path)
+
+
+def obj_with(folder: Path, image: str) -> Path:
+    (folder / "a.mtl").write_text(f"newmtl m\nmap_Kd {image}\n")
+    faces = "vt 0 0\nvt 1 0\nvt 0 1\nusemtl m\nf 1/1 2/2 3/3\n"
+    (folder / "a.obj").write_text(f"mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\n{faces}")
+    return folder / "a.obj"
+
+
+def ply_with(folder: Path, image: str) -> Path:
+    corner = "".join(f"property float {name}\n" for name in ("x", "y", "z", "s", "t"))
+    (folder / "a.ply").write_text(
+        f"ply\nformat ascii 1.0\ncomment TextureFile {image}\nelement vertex 3\n{corner}"
+        "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+        "0 0 0 0 0\n1 0 0 1 0\n0 1 0 0 1\n3 0 1 2\n"
+    )
+    return folder / "a.ply"
+
+
+def test_what_a_library_says_of_a_file_is_not_printed(
+    command: Callable[..., subprocess.CompletedProcess[str]], tmp_path: Path
+) -> None:
+    ply_with(tmp_path, "gone.png")
+    result = command("render", "a.ply", *TINY)
+    assert result.returncode == 0
+    assert "missing file 'gone.png'" in result.stderr.splitlines()[0]
+    assert "Traceback" not in result.stderr
 
 
 # ---- a disk that fills up ------------------------------------------------------------------------
