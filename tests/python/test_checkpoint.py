@@ -105,6 +105,38 @@ def test_a_file_that_is_there_is_not_lost(tmp_path: Path) -> None:
     with pytest.raises(lightcull.Error, match="a: is there already: resume it, or remove it"):
         render(1, checkpoint=tmp_path / "a")
     render(2, resume=tmp_path / "a", checkpoint=tmp_path / "." / "a")
+    render(1, checkpoint=tmp_path / "b")
+    before = (tmp_path / "b").read_bytes()
+    with pytest.raises(lightcull.Error, match="b: is there already: resume it, or remove it"):
+        render(3, resume=tmp_path / "a", checkpoint=tmp_path / "b")
+    assert (tmp_path / "b").read_bytes() == before
+
+
+def test_it_is_saved_on_the_way(tmp_path: Path) -> None:
+    """As often as that was asked for."""
+    file = tmp_path / "a"
+    saved: list[bool] = []
+    render(3, checkpoint=file, every=1e-9, progress=lambda _: saved.append(file.exists()))
+    assert saved == [True] * 3
+    file.unlink()
+    saved.clear()
+    render(3, checkpoint=file, every=1e6, progress=lambda _: saved.append(file.exists()))
+    assert saved == [False] * 3
+    assert file.exists()
+
+
+@pytest.mark.parametrize("every", [0, -1, float("nan"), float("inf")])
+def test_how_often_it_is_saved_is_a_time(tmp_path: Path, every: float) -> None:
+    with pytest.raises(lightcull.Error, match="every: wanted a number above 0, got"):
+        render(1, checkpoint=tmp_path / "a", every=every)
+    assert not list(tmp_path.iterdir())
+
+
+def test_where_it_cannot_be_saved_is_found_first(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    for file in ("/proc/a", tmp_path, tmp_path / "file" / "a", "/dev/null"):
+        with pytest.raises(lightcull.Error, match="cannot write|is a folder"):
+            render(1, checkpoint=file, progress=lambda _: pytest.fail("it has been rendered"))
 
 
 def test_a_damaged_checkpoint_is_refused(tmp_path: Path) -> None:

@@ -231,14 +231,38 @@ TEST_CASE("whole file: links that go round in a circle are an error") {
 TEST_CASE("whole file: files of nearly the same name are let alone") {
     const OldFile file;
     const std::string ours = fs::path(file.path).parent_path() / ".a.lightcull-12-0";
+    const fs::path folder = fs::path(file.path).parent_path();
     const std::string others[] = {file.path + ".part-1", file.path + ".lightcull-1-2", ours + "b",
-                                  fs::path(file.path).parent_path() / ".a.lightcull"};
+                                  folder / ".a.lightcull", folder / "x.a.lightcull-12-0"};
     std::ofstream{ours} << "abandoned";
     for (const std::string& other : others) std::ofstream{other} << "mine";
+    const fs::path link = folder / ".a.lightcull-12-1";
+    fs::create_symlink(others[0], link);
     Disk with;
     CHECK(write_new(file.path, with).empty());
     CHECK_FALSE(fs::exists(ours));
     for (const std::string& other : others) CHECK(fs::exists(other));
+    CHECK(fs::is_symlink(link));
+}
+
+TEST_CASE("whole file: names that are none, and things that are no files, are errors") {
+    Disk with;
+    CHECK(write_new("", with) == "'': cannot write: no name of a file");
+    CHECK(write_new(std::string("a\0b", 3), with) == "a\\0...: cannot write: no name of a file");
+    CHECK(write_new("/dev/null", with) == "/dev/null: cannot write: it is there and is not a file");
+    CHECK(with.calls.empty());
+}
+
+TEST_CASE("whole file: a file system on which folders cannot be synchronised is no error") {
+    for (const int error : {EINVAL, EROFS}) {
+        const OldFile file;
+        Disk with;
+        with.fail_at = 3;
+        with.error = error;
+        CHECK(write_new(file.path, with).empty());
+        CHECK(with.calls.back() == "fsync folder");
+        CHECK(file.content() == kNew);
+    }
 }
 
 TEST_CASE("whole file: a write that a signal interrupts is made again") {
