@@ -134,7 +134,8 @@ def test_how_often_it_is_saved_is_a_time(tmp_path: Path, every: float) -> None:
 
 def test_where_it_cannot_be_saved_is_found_first(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
-    for file in ("/proc/a", tmp_path, tmp_path / "file" / "a", "/dev/null"):
+    os.mkfifo(tmp_path / "pipe")
+    for file in ("/proc/a", tmp_path, tmp_path / "file" / "a", tmp_path / "pipe"):
         with pytest.raises(lightcull.Error, match="cannot write|is a folder"):
             render(1, checkpoint=file, progress=lambda _: pytest.fail("it has been rendered"))
 

@@ -249,7 +249,10 @@ TEST_CASE("whole file: names that are none, and things that are no files, are er
     Disk with;
     CHECK(write_new("", with) == "'': cannot write: no name of a file");
     CHECK(write_new(std::string("a\0b", 3), with) == "a\\0...: cannot write: no name of a file");
-    CHECK(write_new("/dev/null", with) == "/dev/null: cannot write: it is there and is not a file");
+    const OldFile beside;
+    const std::string pipe = beside.path + "-pipe";
+    REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
+    CHECK(write_new(pipe, with) == pipe + ": cannot write: it is there and is not a file");
     CHECK(with.calls.empty());
 }
 
