@@ -18,6 +18,7 @@ namespace {
 
 /// Points that are handed over together: enough to keep a large GPU busy.
 constexpr std::size_t kBatch = std::size_t{1} << 17;
+static_assert(kBatch / shaders::kPaperWorkgroup < 65'536);  // workgroups that any device takes
 constexpr std::size_t kBytesPerPoint = sizeof(ShadingPoint) + sizeof(float) + sizeof(Selection);
 
 /// First whether the node found first is read next, and how many words a walk keeps (walk.glsl).

@@ -79,8 +79,8 @@ inline std::vector<std::uint32_t> chosen_by(const LightSampler& sampler) {
     const std::vector<float> u(points.size(), 0.3f);
     std::vector<Selection> selections(points.size());
     sampler.select(points, u, selections);
-    std::vector<std::uint32_t> lights;
-    for (const Selection& selection : selections) lights.push_back(selection.light);
+    std::vector<std::uint32_t> lights(selections.size());
+    for (std::size_t i = 0; i < lights.size(); ++i) lights[i] = selections[i].light;
     return lights;
 }
 

@@ -40,7 +40,7 @@ TEST_CASE("set-up says in one line what is at fault") {
 }
 
 TEST_CASE("a machine without a driver for Vulkan is an error, and nothing else stops") {
-    const Environment none("VK_ICD_FILENAMES", "/nonexistent.json");
+    const Environment none("VK_DRIVER_FILES", "/nonexistent.json");
     CHECK(error_of([] { vulkan_devices(); }) == "Vulkan: this machine has no driver for it");
     CHECK(error_of([] { make_vulkan_sampler(culled()); }) ==
           "Vulkan: this machine has no driver for it");

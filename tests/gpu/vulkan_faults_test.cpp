@@ -125,8 +125,10 @@ TEST_CASE("devices that cannot be used are told, each with its problem") {
         {"maxPerStageDescriptorStorageBuffers 7 ", "too few storage buffers for a shader"},
     };
     for (const auto& [call_and_value, problem] : cases) {
-        CHECK(contains(set_up_error(call_and_value),
-                       "Vulkan: no device that can be used (" + name + ": " + problem));
+        std::string told = name;
+        told.append(": ").append(problem);
+        CHECK(
+            contains(set_up_error(call_and_value), "Vulkan: no device that can be used (" + told));
         const Fault fault(call_and_value);
         CHECK(vulkan_devices().front().problem == problem);
     }

@@ -159,7 +159,7 @@ except lightcull.Error as error:
     ("environment", "later_fault", "message"),
     [
         ({"LD_LIBRARY_PATH": str(GPU_TESTS / "no_loader")}, "", "Vulkan: this machine has no loader"),
-        ({"VK_ICD_FILENAMES": "/nonexistent"}, "", "Vulkan: this machine has no driver for it"),
+        ({"VK_DRIVER_FILES": "/nonexistent"}, "", "Vulkan: this machine has no driver for it"),
         (FAULTY | {"LIGHTCULL_FAULT": "compute 0 0"}, "", "no queue for compute"),
         (FAULTY | {"LIGHTCULL_FAULT": "vkAllocateMemory -2 0"}, "", "out of device memory"),
         (FAULTY, "vkQueueSubmit -4 0", "the device was lost"),

@@ -167,7 +167,8 @@ VKAPI_ATTR void VKAPI_CALL restricted_queues(VkPhysicalDevice device, uint32_t* 
     next_as<PFN_vkGetPhysicalDeviceQueueFamilyProperties>(
         device, "vkGetPhysicalDeviceQueueFamilyProperties")(device, count, families);
     if (families == nullptr || !fault("compute")) return;
-    for (uint32_t i = 0; i < *count; ++i) families[i].queueFlags &= ~VK_QUEUE_COMPUTE_BIT;
+    for (uint32_t i = 0; i < *count; ++i)
+        families[i].queueFlags &= ~VkQueueFlags{VK_QUEUE_COMPUTE_BIT};
 }
 
 VKAPI_ATTR void VKAPI_CALL restricted_memory(VkPhysicalDevice device,
