@@ -39,16 +39,12 @@ class Environment {
     std::unique_ptr<std::string> before_;
 };
 
-inline std::string layers() {
-    const char* others = std::getenv("VK_INSTANCE_LAYERS");
-    return (others == nullptr ? "" : std::string(others) + ":") + "VK_LAYER_LIGHTCULL_faulty";
-}
-
-/// While it lives, samplers are made with faulty_layer/ besides the layers that there are already;
-/// without Mesa's, which breaks where there is no device.
+/// While it lives, samplers are made with faulty_layer/. Without the validation layer, for which
+/// what could not be submitted is under way for ever, and without Mesa's, which breaks where there
+/// is no device.
 struct FaultyLayer {
     Environment path{"VK_ADD_LAYER_PATH", LIGHTCULL_LAYERS};
-    Environment instance{"VK_INSTANCE_LAYERS", layers()};
+    Environment instance{"VK_INSTANCE_LAYERS", "VK_LAYER_LIGHTCULL_faulty"};
     Environment no_other{"NODEVICE_SELECT", "1"};
 };
 

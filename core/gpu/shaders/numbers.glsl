@@ -35,12 +35,18 @@ float dot3(vec3 a, vec3 b) {
     return sum;
 }
 
+// Where the result becomes a double again, compilers may leave the rounding out (Mesa 25 does), but
+// not with integers in between. What is added is 0, as no tree has so many nodes.
+float rounded(double exact) {
+    return uintBitsToFloat(floatBitsToUint(float(exact)) + (job.node_count >> 31));
+}
+
 // Of floats, rounded as the standard for them has it; a device's own may be off by some bits.
 float quotient(float a, float b) {
     precise double exact = double(a) / double(b);
-    return float(exact);
+    return rounded(exact);
 }
 float root(float a) {
     precise double exact = sqrt(double(a));
-    return float(exact);
+    return rounded(exact);
 }
