@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Sets everything up and runs every test. The exit status is 0 if all of them pass. Only the thread
-# sanitizer, which has to build TBB first, has to be asked for: tests/sanitizers/run.sh tsan
+# sanitizer, which has to build TBB and Embree first, has to be asked for: tests/sanitizers/run.sh tsan
 
 set -euo pipefail
 

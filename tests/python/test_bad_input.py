@@ -309,6 +309,8 @@ def test_an_image_that_is_black_says_so() -> None:
         ("-o", "/dev/full"),
         ("--checkpoint", "/proc/a"),
         ("--checkpoint", "there"),
+        ("--checkpoint", ""),
+        ("--checkpoint", "new/"),
         ("--checkpoint", "a.exr", "-o", "a.exr"),
         ("-o", f"{'a' * 240}.exr"),
         ("-o", f"new/{'a' * 300}/a.exr"),

@@ -1,14 +1,14 @@
 #!/usr/bin/env bash
-# Builds the TBB of this Debian with the thread sanitizer, from Debian's source package: without it
-# every task would look like a race, for the sanitizer would not see how TBB hands it over.
+# Builds this Debian's TBB and Embree with the thread sanitizer, from Debian's source packages: without
+# it every task would look like a race, for the sanitizer would not see how they hand memory over.
 #
-# Usage: tests/sanitizers/instrumented_tbb.sh FOLDER    where to build, and install, it
+# Usage: tests/sanitizers/instrumented_libraries.sh FOLDER    where to build, and install, them
 
 set -euo pipefail
 
 folder=$1
-version=$(dpkg-query -W -f '${source:Version}' libtbb-dev)
-[[ $(cat "$folder/made-of" 2>/dev/null) == "$version" ]] && exit 0
+onetbb=$(dpkg-query -W -f '${source:Version}' libtbb-dev)
+embree=$(dpkg-query -W -f '${source:Version}' libembree-dev)
 
 mkdir -p "$folder"/apt/{parts,lists/partial,cache/archives/partial}
 cd "$folder"
@@ -22,26 +22,50 @@ for list in /etc/apt/sources.list /etc/apt/sources.list.d/*.list; do
 done
 apt=(apt-get -q -o Dir::Etc::SourceList=/dev/null -o "Dir::Etc::SourceParts=$PWD/apt/parts"
     -o "Dir::State::Lists=$PWD/apt/lists" -o "Dir::Cache=$PWD/apt/cache" -o APT::Sandbox::User=root)
-{
+
+fetch() {
+    local package=$1 version=$2
+    rm -rf "$package" "$package"_*
     "${apt[@]}" update
-    rm -f onetbb_*
-    "${apt[@]}" source --download-only "onetbb=$version"
-} >fetch.log 2>&1 || {
-    cat fetch.log
-    echo "the source package onetbb $version cannot be fetched" >&2
-    exit 1
+    "${apt[@]}" source --download-only "$package=$version"
+    mkdir "$package"
+    tar xf "$package"_*.orig.tar.* -C "$package" --strip-components=1
+    touch "$package/readme.pdf"  # Embree installs it, and Debian left it out
 }
 
-rm -rf source
-mkdir source
-tar xf onetbb_*.orig.tar.* -C source --strip-components=1
-{
-    cmake -S source -B build -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo -DTBB_SANITIZE=thread \
-        -DTBB_TEST=OFF -DTBB_STRICT=OFF -DTBBMALLOC_BUILD=OFF -DCMAKE_INSTALL_PREFIX="$PWD"
-    cmake --build build
-    cmake --install build
-} >build.log 2>&1 || {
-    tail -40 build.log
-    exit 1
+# Configured by what follows the name and the version.
+make_library() {
+    local package=$1 version=$2
+    shift 2
+    [[ $(cat "$package.made-of" 2>/dev/null) == "$version" ]] && return
+    fetch "$package" "$version" >"$package.log" 2>&1 || {
+        cat "$package.log"
+        echo "the source package $package $version cannot be fetched" >&2
+        exit 1
+    }
+    {
+        cmake -S "$package" -B "$package/build" -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo \
+            -DCMAKE_INSTALL_PREFIX="$PWD" -DCMAKE_INSTALL_LIBDIR=lib "$@"
+        cmake --build "$package/build"
+        cmake --install "$package/build"
+    } >"$package.log" 2>&1 || {
+        tail -40 "$package.log"
+        exit 1
+    }
+    echo "$version" >"$package.made-of"
 }
-echo "$version" >made-of
+
+make_library onetbb "$onetbb" -DTBB_SANITIZE=thread -DTBB_TEST=OFF -DTBB_STRICT=OFF \
+    -DTBBMALLOC_BUILD=OFF
+
+# As much of it as we use, for one instruction set.
+without=()
+for geometry in QUAD CURVE SUBDIVISION USER INSTANCE INSTANCE_ARRAY GRID POINT; do
+    without+=("-DEMBREE_GEOMETRY_$geometry=OFF")
+done
+# It has flags of its own for every build type that it knows.
+make_library embree "$embree" "${without[@]}" -DEMBREE_MAX_ISA=SSE2 -DEMBREE_ISPC_SUPPORT=OFF \
+    -DEMBREE_TUTORIALS=OFF -DEMBREE_FILTER_FUNCTION=OFF -DTBB_DIR="$PWD/lib/cmake/TBB" \
+    -DEMBREE_IGNORE_CMAKE_CXX_FLAGS=OFF -DCMAKE_BUILD_TYPE=Sanitized \
+    -DCMAKE_CXX_FLAGS="-fsanitize=thread -O1 -g1 -DNDEBUG" \
+    -DCMAKE_SHARED_LINKER_FLAGS="-fsanitize=thread"

@@ -18,7 +18,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")"
 root=$(cd ../.. && pwd)
 mkdir -p "$root/build"
 if [[ $preset == tsan ]]; then
-    ./instrumented_tbb.sh "$root/build/tsan-tbb"
+    ./instrumented_libraries.sh "$root/build/tsan-libraries"
 fi
 
 log=$root/build/$preset.log
