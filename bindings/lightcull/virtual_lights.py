@@ -44,7 +44,7 @@ class LightCounts:
     error_bound: float
     """Of vpl_culled and vpl_clamped: given, or found in the first pass."""
     generation_seconds: float
-    """Per pass, as the following."""
+    """Per pass, as the following: of processors, all threads together."""
     build_seconds: float
     """Of vpl_grid its hierarchy, of shadows=maps the maps."""
     lighting_seconds: float
@@ -85,6 +85,10 @@ class VirtualLightJob:
         from .render import Stats
 
         return Stats.of(self._renderer.stats(), self._renderer.setup_seconds())
+
+    def lights_of_pixels(self) -> np.ndarray:
+        """float64 (H, W, 2): listed and accepted lights of each pixel, means over the passes."""
+        return self._renderer.lights_of_pixels() / max(self._renderer.stats().passes, 1)
 
     def light_counts(self) -> LightCounts:
         """After the first pass."""

@@ -3,8 +3,11 @@
 #include "interruptible.h"
 #include "module.h"
 
+#include <pybind11/numpy.h>
+
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace lightcull::python {
 namespace {
@@ -23,6 +26,21 @@ class InterruptibleVirtualLights : public Interruptible<VirtualLightRenderer> {
         return locked([](const VirtualLightRenderer& renderer) {
             return VirtualLightStats(renderer.virtual_light_stats());
         });
+    }
+
+    /// uint32 (H, W, 2): listed and accepted.
+    py::array_t<std::uint32_t> lights_of_pixels() {
+        const std::vector<LightsOfPixel> counts = locked([](const VirtualLightRenderer& renderer) {
+            return std::vector<LightsOfPixel>(renderer.lights_of_pixels());
+        });
+        const std::vector<py::ssize_t> shape{settings().height, settings().width, 2};
+        py::array_t<std::uint32_t> array(shape);
+        std::uint32_t* next = array.mutable_data();
+        for (const LightsOfPixel& of_pixel : counts) {
+            *next++ = of_pixel.listed;
+            *next++ = of_pixel.accepted;
+        }
+        return array;
     }
 };
 
@@ -57,6 +75,7 @@ void bind_virtual_lights(py::module_& module) {
         .def("render_pass", &InterruptibleVirtualLights::render_pass)
         .def("image", &InterruptibleVirtualLights::image)
         .def("stats", &InterruptibleVirtualLights::stats)
+        .def("lights_of_pixels", &InterruptibleVirtualLights::lights_of_pixels)
         .def("virtual_light_stats", &InterruptibleVirtualLights::virtual_light_stats)
         .def("setup_seconds", &InterruptibleVirtualLights::setup_seconds);
     module.def(

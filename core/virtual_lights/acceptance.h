@@ -26,11 +26,23 @@ class Acceptance {
         return {1.0f / ranges_.xi(index, 0), ranges_.limit(intensity_bound(light))};
     }
 
-    /// Encloses the points where the light counts; not of kAll.
+    /// Whether some lights count at some points alone.
+    bool has_ranges() const noexcept {
+        return method_ == VirtualLightMethod::kCulled || method_ == VirtualLightMethod::kClamped;
+    }
+
+    /// Encloses the points where the light counts, if any has_ranges().
     Spheroid volume(const VirtualLight& light, const OfLight& of_light,
                     BoundingVolume kind) const noexcept {
         if (method_ == VirtualLightMethod::kClamped) kind = BoundingVolume::kSphereAtLight;
         return bounding_volume(light, ranges_.reach() * of_light.inverse_xi, kind);
+    }
+
+    /// The square of a distance from the light beyond which it does not count.
+    float farthest2(const VirtualLight& light, const OfLight& of_light) const noexcept {
+        if (!has_ranges()) return std::numeric_limits<float>::infinity();
+        const float range = volume(light, of_light, BoundingVolume::kSphereAtLight).radius;
+        return range * range;
     }
 
     /// 1 / p where the light counts, else 0. intensity: towards the point, by luminance, above 0.

@@ -40,6 +40,20 @@ void take_range(Description& description, RangeOptions& range) {
     check_range_options(range);
 }
 
+void take_culling(Description& description, VirtualLightOptions& options) {
+    constexpr Named<VirtualLightCulling> kCullings[] = {
+        {"tiles", VirtualLightCulling::kTiles}, {"splatting", VirtualLightCulling::kSplatting}};
+    take_named(description, "culling", kCullings, options.culling);
+    if (options.culling == VirtualLightCulling::kSplatting) {
+        if (options.shadows != VirtualShadows::kNone) {
+            description.fail("culling=splatting is for shadows=none");
+        }
+        return;
+    }
+    description.take_number("tile", options.tile);
+    if (options.tile < 1 || options.tile > 64) description.fail("tile is not in [1, 64]");
+}
+
 void take_grid(Description& description, VirtualLightOptions& options) {
     constexpr Named<GridBuild> kBuilds[] = {{"gather", GridBuild::kGather},
                                             {"scatter", GridBuild::kScatter}};
@@ -114,9 +128,6 @@ VirtualLightOptions parse_virtual_light_method(std::string_view text) {
         options.interleave = 1;
         options.filter = false;
     }
-    if (options.method == Method::kCulled || options.method == Method::kClamped) {
-        take_range(description, options.range);
-    }
     if (options.method == Method::kGrid) {
         take_grid(description, options);
     } else {
@@ -126,6 +137,10 @@ VirtualLightOptions parse_virtual_light_method(std::string_view text) {
     description.take_choice("filter", "on", "off", options.filter);
     take_named(description, "source", kSources, options.source);
     take_named(description, "shadows", kShadows, options.shadows);
+    if (options.method == Method::kCulled || options.method == Method::kClamped) {
+        take_range(description, options.range);
+        take_culling(description, options);
+    }
     if (options.method == Method::kCulled) {
         take_named(description, "volume", kVolumes, options.volume);
     }

@@ -57,6 +57,22 @@ TileBounds::TileBounds(Span<const V3f> points) noexcept {
     for (const V3f& point : points) pieces_[cluster_of(point)].add(point);
 }
 
+ViewBox box_in_view(const Spheroid& spheroid, const CameraRays& camera) noexcept {
+    const V3f center = camera.to_view(spheroid.center - camera.origin());
+    const V3f axis = camera.to_view(spheroid.axis);
+    // A spheroid reaches as far along a direction as its half axes, seen along it, squared and
+    // summed.
+    const float across2 = spheroid.radius * spheroid.radius;
+    const float along2 = spheroid.half_length * spheroid.half_length;
+    V3f reach;
+    for (int i = 0; i < 3; ++i) {
+        const float part = axis[i] * axis[i];
+        reach[i] = std::sqrt(along2 * part + across2 * std::max(0.0f, 1.0f - part));
+    }
+    reach += V3f(kRounding * (spheroid.half_length + max_component(abs(center))));
+    return {center - reach, center + reach};
+}
+
 VolumeInView::VolumeInView(const Spheroid& spheroid, const CameraRays& camera) noexcept
     : is_sphere_(spheroid.half_length == spheroid.radius),
       center_(camera.to_view(spheroid.center - camera.origin())),

@@ -35,6 +35,14 @@ class TileBounds {
     std::array<FrustumPiece, kClusters> pieces_;
 };
 
+/// A box with edges along the axes of view space.
+struct ViewBox {
+    V3f low{0.0f}, high{0.0f};
+};
+
+/// Encloses a volume.
+ViewBox box_in_view(const Spheroid& spheroid, const CameraRays& camera) noexcept;
+
 /// A bounding volume as tiles are tested against it. A spheroid becomes the unit sphere by
 /// stretching space, which is then turned until planes of equal depth are level again: [TH17] Eqs.
 /// 16 and 17. There a box around the piece of the frustum is tested, after the sphere about the

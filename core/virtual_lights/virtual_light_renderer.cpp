@@ -10,6 +10,7 @@
 #include "virtual_lights/grid_lighting.h"
 #include "virtual_lights/light_paths.h"
 #include "virtual_lights/point_cloud.h"
+#include "virtual_lights/stopwatch.h"
 #include "virtual_lights/tiled_lighting.h"
 
 #include <lightcull/error.h>
@@ -95,6 +96,7 @@ struct VirtualLightRenderer::Impl {
     EmissionTable emission;
     std::optional<RandomRanges> ranges;  ///< since the first pass
     std::vector<CloudPoint> cloud;       ///< of shadows by maps
+    std::vector<LightsOfPixel> of_pixels;
     Film bounced;
     double seconds = 0.0;    ///< of bounced light
     std::uint64_t rays = 0;  ///< camera and shadow rays of bounced light
@@ -109,7 +111,8 @@ struct VirtualLightRenderer::Impl {
           camera(shared_scene->camera(), r.width, r.height),
           arena(thread_count(r.threads)),
           emission(shared_scene->impl()),
-          bounced(std::size_t{r.width} * r.height) {
+          of_pixels(std::size_t{r.width} * r.height),
+          bounced(of_pixels.size()) {
         // So many that the maps of a few lights together have all of the geometry.
         constexpr std::uint32_t kMaps = 16;
         if (options.shadows != VirtualShadows::kMaps) return;
@@ -119,7 +122,8 @@ struct VirtualLightRenderer::Impl {
     const Scene::Impl& scene() const noexcept { return shared_scene->impl(); }
     std::vector<VirtualLight> generate(std::uint64_t key, VirtualLightStats& cost) const;
     void begin_ranges(const std::vector<VirtualLight>& lights, std::uint64_t pass);
-    std::vector<V3f> bounced_light(const std::atomic<bool>* cancel, VirtualLightStats& cost);
+    std::vector<V3f> bounced_light(const std::atomic<bool>* cancel, VirtualLightStats& cost,
+                                   std::vector<LightsOfPixel>& of_pass);
     void add_by_tiles(const LightingPass& lighting, const std::vector<VirtualLight>& lights,
                       std::vector<V3f>& pixels, VirtualLightStats& cost) const;
     void add_by_grid(const LightingPass& lighting, const std::vector<VirtualLight>& lights,
@@ -128,7 +132,7 @@ struct VirtualLightRenderer::Impl {
 
 std::vector<VirtualLight> VirtualLightRenderer::Impl::generate(std::uint64_t key,
                                                                VirtualLightStats& cost) const {
-    const Clock::time_point start = Clock::now();
+    const Stopwatch watch;
     const auto edge = static_cast<std::uint32_t>(
         std::lround(std::sqrt(static_cast<double>(options.light_paths))));
     const std::vector<LightRay> starts = options.source == VirtualLightSource::kShadowMap
@@ -136,7 +140,7 @@ std::vector<VirtualLight> VirtualLightRenderer::Impl::generate(std::uint64_t key
                                              : emit(emission, options.light_paths, key);
     std::vector<VirtualLight> lights = virtual_lights(scene(), starts, settings.max_depth - 2, key);
     cost.lights = lights.size();
-    cost.generation_seconds = seconds_since(start);
+    cost.generation_seconds = watch.seconds();
     return lights;
 }
 
@@ -159,7 +163,8 @@ void VirtualLightRenderer::Impl::begin_ranges(const std::vector<VirtualLight>& l
 }
 
 std::vector<V3f> VirtualLightRenderer::Impl::bounced_light(const std::atomic<bool>* cancel,
-                                                           VirtualLightStats& cost) {
+                                                           VirtualLightStats& cost,
+                                                           std::vector<LightsOfPixel>& of_pass) {
     const std::uint64_t pass = direct.stats().passes;
     const PassRays camera_rays(camera, settings, pass);
     const CameraView view = trace_camera_view(scene(), settings, camera_rays);
@@ -169,7 +174,8 @@ std::vector<V3f> VirtualLightRenderer::Impl::bounced_light(const std::atomic<boo
 
     std::vector<V3f> pixels(view.hit.size(), V3f(0.0f));
     if (lights.empty()) return pixels;
-    const LightingPass lighting{*scene().ray_tracer, camera, view, options, key, cancel, cloud};
+    const LightingPass lighting{
+        *scene().ray_tracer, camera, view, options, key, cancel, cloud, of_pass};
     if (options.method == VirtualLightMethod::kGrid) {
         add_by_grid(lighting, lights, pixels, cost);
     } else {
@@ -183,25 +189,25 @@ void VirtualLightRenderer::Impl::add_by_tiles(const LightingPass& lighting,
                                               const std::vector<VirtualLight>& lights,
                                               std::vector<V3f>& pixels,
                                               VirtualLightStats& cost) const {
-    Clock::time_point start = Clock::now();
+    const Stopwatch lighting_watch;
     note(add_tiled_lighting(lighting, lights, Acceptance(options.method, *ranges), pixels), cost);
-    cost.lighting_seconds = seconds_since(start) - cost.build_seconds;
-    start = Clock::now();
+    cost.lighting_seconds = lighting_watch.seconds() - cost.build_seconds;
+    const Stopwatch filter_watch;
     if (options.filter && !lighting.cancelled()) filter_cross_bilateral(lighting.view, pixels);
-    cost.filter_seconds = seconds_since(start);
+    cost.filter_seconds = filter_watch.seconds();
 }
 
 void VirtualLightRenderer::Impl::add_by_grid(const LightingPass& lighting,
                                              const std::vector<VirtualLight>& lights,
                                              std::vector<V3f>& pixels,
                                              VirtualLightStats& cost) const {
-    Clock::time_point start = Clock::now();
+    const Stopwatch build_watch;
     const GridHierarchy hierarchy(lights, options.alpha, options.grid_build);
-    const double build_seconds = seconds_since(start);
-    start = Clock::now();
+    const double build_seconds = build_watch.seconds();
+    const Stopwatch lighting_watch;
     note(add_grid_lighting(lighting, lights, hierarchy, pixels), cost);
     cost.build_seconds = build_seconds;
-    cost.lighting_seconds = seconds_since(start);
+    cost.lighting_seconds = lighting_watch.seconds();
 }
 
 VirtualLightRenderer::VirtualLightRenderer(std::shared_ptr<const Scene> scene,
@@ -220,13 +226,15 @@ bool VirtualLightRenderer::render_pass(const std::atomic<bool>* cancel) {
     const Clock::time_point start = Clock::now();
     VirtualLightStats cost;
     std::vector<V3f> pixels;
-    impl_->arena.execute([&] { pixels = impl_->bounced_light(cancel, cost); });
+    std::vector<LightsOfPixel> of_pixels = impl_->of_pixels;  // a cancelled pass leaves no trace
+    impl_->arena.execute([&] { pixels = impl_->bounced_light(cancel, cost, of_pixels); });
     const double seconds = seconds_since(start);
     if (!impl_->direct.render_pass(cancel)) return false;
     impl_->bounced.add(pixels);
     impl_->seconds += seconds;
     impl_->rays += std::uint64_t{impl_->settings.width} * impl_->settings.height + cost.shadow_rays;
     impl_->stats += cost;
+    impl_->of_pixels = std::move(of_pixels);
     return true;
 }
 
@@ -248,6 +256,10 @@ RenderStats VirtualLightRenderer::stats() const {
 
 const VirtualLightStats& VirtualLightRenderer::virtual_light_stats() const noexcept {
     return impl_->stats;
+}
+
+const std::vector<LightsOfPixel>& VirtualLightRenderer::lights_of_pixels() const noexcept {
+    return impl_->of_pixels;
 }
 
 }  // namespace lightcull

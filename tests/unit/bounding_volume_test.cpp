@@ -1,6 +1,7 @@
 #include "virtual_lights/bounding_volume.h"
 #include "base/random.h"
 #include "render/warp.h"
+#include "virtual_lights/box_tree.h"
 #include "virtual_lights/tile_bounds.h"
 
 #include <doctest/doctest.h>
@@ -157,13 +158,18 @@ TEST_CASE("tiles: a light whose volume holds a point of the tile is never culled
             for (const BoundingVolume kind : kVolumes) {
                 const Spheroid volume = bounding_volume(light, scale, kind);
                 const VolumeInView in_view(volume, rays);
+                const ViewBox box = box_in_view(volume, rays);
+                const BoxTree tree({&box, 1});
                 for (std::uint32_t c = 0; c < TileBounds::kClusters; ++c) {
                     bool holds = false;
                     for (std::size_t k = 0; k < places.size(); ++k) {
                         if (bounds.cluster_of(views[k]) != c) continue;
                         holds = holds || stretched_distance(volume, places[k]) <= 1.0;
                     }
-                    const bool overlaps = in_view.overlaps(bounds.piece(c));
+                    bool overlaps = false;
+                    tree.for_overlapping(bounds.piece(c), [&](std::uint32_t) {
+                        overlaps = in_view.overlaps(bounds.piece(c));
+                    });
                     ++tested;
                     kept += overlaps ? 1 : 0;
                     inside += holds ? 1 : 0;
@@ -186,5 +192,35 @@ TEST_CASE("tiles: without geometry nothing overlaps") {
     for (std::uint32_t c = 0; c < TileBounds::kClusters; ++c) {
         CHECK(!sphere.overlaps(none.piece(c)));
         CHECK(!spheroid.overlaps(none.piece(c)));
+    }
+}
+
+TEST_CASE("tiles: a tree finds the boxes that a list of them finds") {
+    RandomStream random(8);
+    const auto place = [&] { return V3f(random.next(), random.next(), random.next()) * 10.0f; };
+    for (const std::size_t count : {0u, 1u, 16u, 17u, 300u, 5000u}) {
+        std::vector<ViewBox> boxes(count);
+        for (ViewBox& box : boxes) {
+            const V3f center = place();
+            const float size = 0.05f / (0.01f + random.next());
+            box = {center - V3f(size), center + V3f(size)};
+        }
+        const BoxTree tree{Span<const ViewBox>(boxes)};
+        for (int i = 0; i < 200; ++i) {
+            FrustumPiece piece;
+            piece.add(place());
+            if (i % 2 == 0) piece.add(place());
+            std::vector<std::uint32_t> expected, found;
+            for (std::uint32_t b = 0; b < count; ++b) {
+                bool overlaps = true;
+                for (int axis = 0; axis < 3; ++axis) {
+                    overlaps = overlaps && boxes[b].low[axis] <= piece.high[axis] &&
+                               boxes[b].high[axis] >= piece.low[axis];
+                }
+                if (overlaps) expected.push_back(b);
+            }
+            tree.for_overlapping(piece, [&](std::uint32_t b) { found.push_back(b); });
+            CHECK(found == expected);
+        }
     }
 }

@@ -162,6 +162,50 @@ TEST_CASE("the volumes that cull change the cost, not the image") {
     CHECK(listed[1] < listed[2]);
 }
 
+TEST_CASE("where lights are looked for changes the cost, not the image") {
+    const auto scene = corner(0.2f);
+    const std::string method = ":lights=3000:interleave=2:shadows=none:filter=off:";
+    for (const std::string name : {"vpl_culled", "vpl_clamped"}) {
+        std::vector<std::vector<V3f>> images;
+        std::vector<std::uint64_t> listed, accepted;
+        for (const char* culling : {"tile=1", "tile=5", "tile=16", "culling=splatting"}) {
+            Passes passes(*scene, name + method + culling);
+            images.push_back(passes.pass(3, name == "vpl_culled" ? 60.0f : 0.01f));
+            listed.push_back(passes.counts.listed);
+            accepted.push_back(passes.counts.accepted);
+            CHECK(images.back() == images[0]);
+            CHECK(accepted.back() == accepted[0]);
+            CHECK(accepted.back() < listed.back());
+            CHECK(2 * passes.seen() < accepted.back());
+            CHECK(listed.back() < passes.seen() * passes.lights().size() / 8);
+        }
+        CHECK(listed[0] < listed[1]);
+        CHECK(listed[1] < listed[2]);
+    }
+}
+
+TEST_CASE("the lights of pixels are those of the passes") {
+    const auto scene = corner(0.2f);
+    RenderSettings settings = square_image(24, 3);
+    for (const char* culling : {"tile=4", "culling=splatting"}) {
+        const auto r = renderer(
+            scene, std::string("vpl_culled:lights=1000:shadows=none:") + culling, settings);
+        r->render_pass();
+        std::atomic<bool> cancel{true};
+        CHECK(!r->render_pass(&cancel));
+        r->render_pass();
+        std::uint64_t listed = 0, accepted = 0;
+        for (const LightsOfPixel& of_pixel : r->lights_of_pixels()) {
+            CHECK(of_pixel.accepted <= of_pixel.listed);
+            listed += of_pixel.listed;
+            accepted += of_pixel.accepted;
+        }
+        CHECK(listed == r->virtual_light_stats().listed);
+        CHECK(accepted == r->virtual_light_stats().accepted);
+        CHECK(accepted > 0);
+    }
+}
+
 TEST_CASE("imperfect shadow maps shade about what rays do, culled or not") {
     const auto scene = corner(0.5f);
     const auto mean = [&](const std::string& shadows) {
@@ -278,7 +322,9 @@ TEST_CASE("virtual lights: bad input is refused, nothing to do is done") {
          {"vpl", "vpl_all:accepted=3", "vpl_culled:lights=0", "vpl_culled:interleave=3",
           "vpl_culled:shadows=soft", "vpl_clamped:volume=spheroid", "vpl_culled:lights=x",
           "vpl_culled:source=shadow_map:lights=1000", "vpl_culled:error_bound=no",
-          "vpl_grid:shadows=maps", "vpl_culled:points=10", "vpl_all:shadows=maps:points=0"}) {
+          "vpl_grid:shadows=maps", "vpl_culled:points=10", "vpl_all:shadows=maps:points=0",
+          "vpl_culled:tile=0", "vpl_culled:tile=65", "vpl_all:tile=4", "vpl_culled:culling=none",
+          "vpl_culled:culling=splatting", "vpl_culled:shadows=none:culling=splatting:tile=8"}) {
         CAPTURE(method);
         CHECK_THROWS_AS(parse_virtual_light_method(method), Error);
     }

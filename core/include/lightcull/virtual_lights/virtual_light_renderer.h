@@ -43,6 +43,13 @@ enum class BoundingVolume {
     kSphereAtLight,  ///< about the light, for its largest intensity ([TH16])
 };
 
+/// How the lights that may matter to a pixel are found.
+enum class VirtualLightCulling {
+    kTiles,  ///< a list for each tile of pixels, by its frustum in two depths ([TH17] section 5)
+    kSplatting,  ///< the rectangle of pixels that the box around a light's volume covers
+                 ///< (Dachsbacher and Stamminger 2006), for comparison; without shadows
+};
+
 /// What the levels of a lighting grid hierarchy above the first are made from.
 enum class GridBuild {
     kGather,   ///< the lights of level 1 ([LY19] section 3.1)
@@ -62,6 +69,9 @@ struct VirtualLightOptions {
     std::uint32_t interleave = 8;
     VirtualShadows shadows = VirtualShadows::kRays;
     BoundingVolume volume = BoundingVolume::kSpheroid;
+    VirtualLightCulling culling = VirtualLightCulling::kTiles;
+    /// Of kTiles: pixels along the edge of a tile, of those that have the same lights.
+    std::uint32_t tile = 16;
     /// A cross-bilateral filter over what virtual lights give; of kGrid an a-trous one over
     /// shadows.
     bool filter = true;
@@ -81,12 +91,14 @@ struct VirtualLightOptions {
 /// lights, no interleaving and no filter unless told), vpl_culled, vpl_clamped, vpl_grid. Options:
 /// lights; source (paths | shadow_map); shadows (rays | none | maps); filter (on | off); interleave
 /// (not of vpl_grid); error_bound (a number or auto), accepted, exposure (vpl_culled, vpl_clamped);
-/// volume (spheroid | sphere_around | sphere_at_light; vpl_culled); alpha, samples, build (gather |
-/// scatter; vpl_grid); points, map_culling (on | off; shadows=maps). Throws Error for what is
-/// unknown or makes no sense.
+/// volume (spheroid | sphere_around | sphere_at_light; vpl_culled); culling (tiles | splatting),
+/// tile (1 to 64; vpl_culled, vpl_clamped); alpha, samples, build (gather | scatter; vpl_grid);
+/// points, map_culling (on | off; shadows=maps). Throws Error for what is unknown or makes no
+/// sense.
 VirtualLightOptions parse_virtual_light_method(std::string_view description);
 
-/// What virtual lights took, over all passes.
+/// What virtual lights took, over all passes. Seconds are those of processors, all threads of the
+/// process together.
 struct VirtualLightStats {
     std::uint64_t lights = 0;  ///< generated
     double generation_seconds = 0.0;
@@ -102,6 +114,11 @@ struct VirtualLightStats {
     std::uint64_t shadow_rays = 0;
     double error_bound = 0.0;      ///< of kCulled and kClamped, given or found in the first pass
     std::uint64_t map_points = 0;  ///< points splatted into shadow maps
+};
+
+/// Virtual lights of a pixel, as in VirtualLightStats.
+struct LightsOfPixel {
+    std::uint32_t listed = 0, accepted = 0;
 };
 
 /// A progressive renderer: emission and direct light as Renderer has them, and what bounces by
@@ -127,6 +144,8 @@ class VirtualLightRenderer {
     /// sampler_seconds, selection_seconds and selections are those of direct light.
     RenderStats stats() const;
     const VirtualLightStats& virtual_light_stats() const noexcept;
+    /// Row by row, over all passes; all 0 with kGrid.
+    const std::vector<LightsOfPixel>& lights_of_pixels() const noexcept;
 
   private:
     struct Impl;
