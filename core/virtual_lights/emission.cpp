@@ -85,7 +85,7 @@ LightRay EmissionTable::sample(const PathRandom& random) const noexcept {
     const std::uint32_t chosen = table_.sample(random.fine(Dimension::kSelectLight));
     LightRay result;
     if (chosen == scene_.emitters.size()) {
-        result = from_environment(random);
+        result = environment_ray(random, random.two(Dimension::kLightVertex));
     } else if (const auto* spot = std::get_if<SpotEmitter>(&scene_.emitters[chosen])) {
         result = spot_ray(*spot, random.two(Dimension::kLightVertex));
     } else if (const auto* point = std::get_if<PointEmitter>(&scene_.emitters[chosen])) {
@@ -98,13 +98,12 @@ LightRay EmissionTable::sample(const PathRandom& random) const noexcept {
     return result;
 }
 
-/// Through a disk that hides the sphere around the scene.
-LightRay EmissionTable::from_environment(const PathRandom& random) const noexcept {
+LightRay EmissionTable::environment_ray(const PathRandom& random, const V2f& u) const noexcept {
     const EnvironmentSample s = scene_.environment->sample(random.fine(Dimension::kEnvironment),
                                                            random.two(Dimension::kInCell));
     if (!(s.pdf > 0.0f)) return {{center_, V3f(0.0f, 0.0f, 1.0f)}, V3f(0.0f)};
     const Basis basis(-s.direction);
-    const V2f disk = uniform_disk(random.two(Dimension::kLightVertex)) * radius_;
+    const V2f disk = uniform_disk(u) * radius_;
     const V3f origin =
         center_ + s.direction * radius_ + basis.tangent * disk.x + basis.bitangent * disk.y;
     return {{origin, -s.direction}, s.radiance * (kPi * radius_ * radius_ / s.pdf)};

@@ -24,9 +24,11 @@ class EmissionTable {
     /// One ray, with all flux of the scene in the mean. Not of an empty one.
     LightRay sample(const PathRandom& random) const noexcept;
 
-  private:
-    LightRay from_environment(const PathRandom& random) const noexcept;
+    /// A ray of the environment, which there must be, with all its flux in the mean: through a disk
+    /// that hides the sphere around the scene, equal areas of the unit square to equal areas of it.
+    LightRay environment_ray(const PathRandom& random, const V2f& u) const noexcept;
 
+  private:
     const Scene::Impl& scene_;
     V3f center_{0.0f};  // of a sphere around all geometry
     float radius_ = 0.0f;

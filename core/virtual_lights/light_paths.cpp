@@ -95,22 +95,32 @@ std::vector<LightRay> emit(const EmissionTable& emission, std::uint32_t count, s
     return rays;
 }
 
-std::vector<LightRay> shadow_map_rays(const Scene::Impl& scene, std::uint32_t edge,
-                                      std::uint64_t key) {
+std::vector<LightRay> shadow_map_rays(const Scene::Impl& scene, const EmissionTable& emission,
+                                      std::uint32_t edge, std::uint64_t key) {
     std::vector<LightRay> rays;
-    for (const Emitter& emitter : scene.emitters) {
-        const auto* spot = std::get_if<SpotEmitter>(&emitter);
-        if (spot == nullptr || scene.environment) {
-            throw Error("reflective shadow map: only spots can have one, and something else emits");
-        }
+    const auto add_texels = [&](const auto& ray_of) {
         for (std::uint32_t texel = 0; texel < edge * edge; ++texel) {
             const PathRandom random(key, static_cast<std::uint32_t>(rays.size()), 0);
             const std::uint32_t x = texel % edge, y = texel / edge;
             const V2f corner(static_cast<float>(x), static_cast<float>(y));
             const V2f u = (corner + random.two(Dimension::kLightVertex)) / static_cast<float>(edge);
-            rays.push_back(spot_ray(*spot, u));
+            rays.push_back(ray_of(random, u));
             rays.back().flux /= static_cast<float>(edge) * static_cast<float>(edge);
         }
+    };
+    for (const Emitter& emitter : scene.emitters) {
+        const auto* spot = std::get_if<SpotEmitter>(&emitter);
+        if (spot == nullptr) {
+            throw Error(
+                "reflective shadow map: only spots and the environment can have one, and "
+                "something else emits");
+        }
+        add_texels([&](const PathRandom&, const V2f& u) { return spot_ray(*spot, u); });
+    }
+    if (scene.environment) {
+        add_texels([&](const PathRandom& random, const V2f& u) {
+            return emission.environment_ray(random, u);
+        });
     }
     return rays;
 }

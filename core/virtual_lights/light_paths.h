@@ -13,9 +13,10 @@ namespace lightcull {
 std::vector<LightRay> emit(const EmissionTable& emission, std::uint32_t count, std::uint64_t key);
 
 /// A reflective shadow map of each spot of the scene: a ray for each of its texels, which are
-/// edge * edge and part the spot's cone evenly. Throws Error if anything else emits.
-std::vector<LightRay> shadow_map_rays(const Scene::Impl& scene, std::uint32_t edge,
-                                      std::uint64_t key);
+/// edge * edge and part the spot's cone evenly; and one of the environment, whose texels part
+/// evenly what of the scene is seen from where it shines. Throws Error if anything else emits.
+std::vector<LightRay> shadow_map_rays(const Scene::Impl& scene, const EmissionTable& emission,
+                                      std::uint32_t edge, std::uint64_t key);
 
 /// The virtual lights where light paths meet surfaces, up to `bounces` >= 1 to a path, in an order
 /// along a Morton curve. Runs in the caller's TBB arena.

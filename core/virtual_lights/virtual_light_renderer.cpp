@@ -136,7 +136,7 @@ std::vector<VirtualLight> VirtualLightRenderer::Impl::generate(std::uint64_t key
     const auto edge = static_cast<std::uint32_t>(
         std::lround(std::sqrt(static_cast<double>(options.light_paths))));
     const std::vector<LightRay> starts = options.source == VirtualLightSource::kShadowMap
-                                             ? shadow_map_rays(scene(), edge, key)
+                                             ? shadow_map_rays(scene(), emission, edge, key)
                                              : emit(emission, options.light_paths, key);
     std::vector<VirtualLight> lights = virtual_lights(scene(), starts, settings.max_depth - 2, key);
     cost.lights = lights.size();

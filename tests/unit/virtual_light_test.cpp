@@ -117,7 +117,7 @@ TEST_CASE("virtual lights: a reflective shadow map holds the flux of its spot") 
     auto scene = box(0.5f);
     scene->add_spot_light({0, 0, 0}, {0, -1, 0}, {4, 4, 4}, 0.3f, 0.7f);
     scene->commit();
-    const auto rays = shadow_map_rays(scene->impl(), 64, 1);
+    const auto rays = shadow_map_rays(scene->impl(), EmissionTable(scene->impl()), 64, 1);
     const auto lights = virtual_lights(scene->impl(), rays, 1, 1);
     CHECK(lights.size() == 64 * 64);
     const double ramp = (std::cos(0.3) - std::cos(0.7)) / 3.0;
@@ -127,7 +127,32 @@ TEST_CASE("virtual lights: a reflective shadow map holds the flux of its spot") 
     auto other = box(0.5f);
     other->add_point_light({0, 0, 0}, {1, 1, 1});
     other->commit();
-    CHECK_THROWS_AS(shadow_map_rays(other->impl(), 64, 1), Error);
+    CHECK_THROWS_AS(shadow_map_rays(other->impl(), EmissionTable(other->impl()), 64, 1), Error);
+}
+
+TEST_CASE(
+    "virtual lights: a reflective shadow map of a sun in the sky, as of a directional light") {
+    auto scene = std::make_shared<Scene>();
+    scene->add_material(diffuse(0.5f));
+    Shape floor;
+    floor.add_level_square({3, 0, 0}, 1.0f, true);
+    scene->add_mesh(floor.mesh("floor", 0));
+    Texture sky{256, 128, std::vector<float3>(256 * 128)};
+    sky.texels[40 * 256 + 30] = {900, 900, 900};
+    scene->set_environment({sky, {1, 1, 1}, 0.0f});
+    const double by_paths = flux(lights_of(*scene, 20 * kPaths, 1), 0.5);
+    const auto rays = shadow_map_rays(scene->impl(), EmissionTable(scene->impl()), 128, 1);
+    CHECK(rays.size() == 128 * 128);
+    // The square's share of the disk, foreshortened, for each ray that has light.
+    double expected = 0.0;
+    for (const lightcull::LightRay& ray : rays) {
+        CHECK(ray.ray.direction.dot(rays[0].ray.direction) > 0.995f);
+        const double height = -static_cast<double>(ray.ray.direction.y);
+        if (ray.flux.x > 0.0f) expected += 4.0 * height / (2.0 * kPiDouble);
+    }
+    const auto lights = virtual_lights(scene->impl(), rays, 1, 1);
+    CHECK(flux(lights, 0.5) == doctest::Approx(by_paths).epsilon(0.03));
+    CHECK(static_cast<double>(lights.size()) == doctest::Approx(expected).epsilon(0.05));
 }
 
 TEST_CASE("virtual lights: no light, or none that shines, gives none") {

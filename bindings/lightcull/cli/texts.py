@@ -67,7 +67,8 @@ METHOD is how light that bounces is found, with --max-depth 3 (the default here)
 Options follow at colons: lights=65536 (light paths), shadows=rays|maps|none (maps:
 imperfect shadow maps, not of vpl_grid), accepted=32 (virtual lights per pixel; or error_bound=),
 interleave=8 (1, 2, 4), filter=on|off, volume=spheroid|sphere_around|
-sphere_at_light, source=paths|shadow_map (of spots, with a texel for each of the lights); of vpl_grid
+sphere_at_light, tile=16 (pixels along the edge of a tile; small ones are often faster),
+culling=tiles|splatting (with shadows=none), source=paths|shadow_map (of spots and the environment, lights= texels each); of vpl_grid
 alpha=2 (accuracy) and samples=4 (shadow rays per pixel). New virtual lights are drawn in each pass. --sampler is for direct light."""
 
 COMPARE = """\
@@ -85,7 +86,7 @@ and the images.
 
 With --methods each method renders for --seconds, and then virtual lights are counted and timed from
 1,024 light paths to --most-lights: stochastic tiled lighting against constant ranges, spheroids
-against spheres, imperfect shadow maps, the lighting grid hierarchy. The folder gets index.html,
+against spheres, tiles against splatting, imperfect shadow maps, the lighting grid hierarchy. The folder gets index.html,
 methods.json and the images."""
 
 BENCH = """\

@@ -25,7 +25,9 @@ enum class VirtualLightMethod {
 /// Where light paths start.
 enum class VirtualLightSource {
     kPaths,      ///< at any emitter, in proportion to power
-    kShadowMap,  ///< at the texels of a reflective shadow map of each spot
+    kShadowMap,  ///< at the texels of a reflective shadow map of each spot, and of one of the
+                 ///< environment, seen from the directions that it shines from: as of a directional
+                 ///< light where that is a sun
 };
 
 enum class VirtualShadows {
