@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .measure import Bench, measure, relative_rmse
+from .measure import TIME, Bench, measure, relative_rmse
 from .model import Curve, Plot, Study, Table
 
 _DIVISOR = 10
@@ -14,7 +14,7 @@ _DIVISOR = 10
 def grid(bench: Bench) -> Study:
     """Build, lights per pixel, error and time of vpl_grid for each number of lights."""
     small = bench.sized(_DIVISOR)
-    scale = _pixels(bench) / _pixels(small)
+    scale = bench.pixels / small.pixels
     numbers = bench.light_numbers()
     rows, lights, summed, times = [], [], [], []
     for i, number in enumerate(numbers):
@@ -46,21 +46,17 @@ def grid(bench: Bench) -> Study:
         note="As table 1 and figure 5 of [LY19]; alpha 2, no shadows. vpl_all has a hundredth of the "
         f"pixels, and its time is multiplied by {scale:.0f}; the error is of those pixels. Build: "
         "of the grids; by scatter alone the virtual lights go into every level, by gather into the "
-        "first one only. Time holds the build, and that of the tree to find lights by.",
+        f"first one only. {TIME} the build, the tree to find lights by, and shading.",
         table=Table(
             ("lights", "build by gather, ms", "by scatter alone, ms", "lights summed / pixel",
              "RMSE / mean, against vpl_all", "vpl_grid, ms", "vpl_all / vpl_grid, time"),
             tuple(rows),
         ),
         plot=Plot(
-            "virtual lights", "seconds",
+            "virtual lights", "processor seconds",
             (Curve("vpl_grid", lights, [t[0] for t in times]),
              Curve("vpl_all", lights, [t[1] for t in times])),
         ),
         figures={"summed_per_decade": per_decade, "last_error": float(rows[-1][4])},
     )  # fmt: skip
 
-
-def _pixels(bench: Bench) -> int:
-    width, height = bench.settings.size
-    return width * height

@@ -13,6 +13,8 @@ from ..scene import Scene
 from ..virtual_lights import LightCounts, VirtualLightJob
 
 DIRECT_SAMPLER = "culled"
+TIME = "Time is that of processors, all threads together, for"
+"""In notes."""
 Report: TypeAlias = Callable[[str, float], None]
 """Called with what is being done, and the fraction of it, [0, 1]."""
 
@@ -35,6 +37,11 @@ class Bench:
             numbers.append(numbers[-1] * 4)
         return numbers
 
+    @property
+    def pixels(self) -> int:
+        width, height = self.settings.size
+        return width * height
+
     def sized(self, divisor: int) -> Bench:
         """With an image of 1 / divisor of the width and the height."""
         width, height = self.settings.size
@@ -49,10 +56,12 @@ class Measured:
     bounced: np.ndarray
     """float64 (H, W, 3): what is not direct light."""
     counts: LightCounts
+    lights_of_pixels: np.ndarray
+    """float64 (H, W, 2): lights listed and accepted."""
 
     @property
     def seconds(self) -> float:
-        """Of a pass: culling, shading and shadows, with what they need to be built."""
+        """Of processors, a pass: ranges, culling, shading and shadows, with what they need to be built."""
         return self.counts.lighting_seconds + self.counts.build_seconds
 
 
@@ -61,7 +70,8 @@ def measure(bench: Bench, method: str, passes: int = 1) -> Measured:
     job = VirtualLightJob(bench.scene, method, DIRECT_SAMPLER, bench.settings)
     for _ in range(passes):
         job.render_pass()
-    return Measured(job.image() - direct_light(bench, passes), job.light_counts())
+    bounced = job.image() - direct_light(bench, passes)
+    return Measured(bounced, job.light_counts(), job.lights_of_pixels())
 
 
 def direct_light(bench: Bench, passes: int) -> np.ndarray:

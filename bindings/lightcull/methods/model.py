@@ -45,6 +45,8 @@ class Picture:
     image: np.ndarray
     """float32 (H, W, 3), linear RGB."""
     caption: str
+    is_chart: bool = False
+    """A figure in colours, [0, 1] as on the screen: not shown through a view, and no EXR of it."""
 
 
 @dataclass(frozen=True)

@@ -28,10 +28,15 @@ def write(report: MethodReport, folder: Path) -> Path:
             continue
         exposure = pictures.exposure_for(study.pictures[0].image.astype(np.float32))
         for picture in study.pictures:
-            png = pictures.encode_png(pictures.display(picture.image, view, exposure))
             stem = file_stem(picture.name)
+            png = pictures.encode_png(
+                np.round(255 * picture.image).astype(np.uint8)
+                if picture.is_chart
+                else pictures.display(picture.image, view, exposure)
+            )
             write_whole_file(folder / f"{stem}.png", png)
-            lightcull.write_exr(str(folder / f"{stem}.exr"), picture.image.astype(np.float32))
+            if not picture.is_chart:
+                lightcull.write_exr(str(folder / f"{stem}.exr"), picture.image.astype(np.float32))
             images[picture.name] = base64.b64encode(png).decode("ascii")
     write_whole_file(
         folder / "methods.json", (json.dumps(report.figures(), indent=2) + "\n").encode()

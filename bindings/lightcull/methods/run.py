@@ -66,6 +66,7 @@ def compare_methods(
         race.equal_time(bench, tuple(dict.fromkeys(methods))),
         scaling.tiled_lighting(bench),
         volumes.spheroids(bench),
+        volumes.splatting(bench),
         scaling.shadow_maps(bench),
         hierarchy.grid(bench),
     )
