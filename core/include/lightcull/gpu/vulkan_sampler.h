@@ -35,8 +35,8 @@ struct VulkanOptions {
 ///
 /// If the device fails later (lost, out of memory, no answer in time), it is let go of, and
 /// select(), which cannot throw, goes on with the sampler it was made from, whose selections are as
-/// good; the next begin_pass() begins its pass there and then throws Error, once. A host may then go
-/// on or stop. One that does not answer is waited for once more when it is let go of.
+/// good; the next begin_pass() begins its pass there and then throws Error, once. A host may then
+/// go on or stop. One that does not answer is waited for once more when it is let go of.
 std::unique_ptr<LightSampler> make_vulkan_sampler(std::unique_ptr<LightSampler> sampler,
                                                   const VulkanOptions& options = {});
 
