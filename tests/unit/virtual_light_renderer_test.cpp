@@ -75,7 +75,7 @@ class Passes {
     std::vector<Estimate> blocks(std::uint32_t passes, float reach) {
         constexpr std::uint32_t kBlock = 12;
         const std::uint32_t columns = view_.width / kBlock;
-        std::vector<Accumulator> accumulators(columns * columns);
+        std::vector<Accumulator> accumulators(std::size_t{columns} * columns);
         for (std::uint32_t p = 0; p < passes; ++p) {
             std::vector<double> sums(accumulators.size(), 0.0);
             const std::vector<V3f> pixels = pass(p, reach);
@@ -86,6 +86,7 @@ class Passes {
             for (std::size_t b = 0; b < sums.size(); ++b) accumulators[b].add(sums[b]);
         }
         std::vector<Estimate> estimates;
+        estimates.reserve(accumulators.size());
         for (const auto& a : accumulators) estimates.push_back(a.estimate());
         return estimates;
     }
@@ -129,7 +130,9 @@ TEST_CASE("vpl_culled equals vpl_all in the mean, vpl_clamped does not") {
         const std::vector<Estimate> all = Passes(*scene, "vpl_all" + lights).blocks(2, 1.0f);
         for (const std::string interleave : {":interleave=1", ":interleave=4", ":interleave=8"}) {
             CAPTURE(interleave);
-            Passes culled(*scene, "vpl_culled" + lights + interleave);
+            std::string method = "vpl_culled" + lights;
+            method += interleave;
+            Passes culled(*scene, method);
             const auto means = culled.blocks(200, 60.0f);
             CHECK(culled.counts.accepted * 10 < culled.seen() * culled.lights().size());
             CHECK(statistics::worst_p(means, all) > statistics::least_p());

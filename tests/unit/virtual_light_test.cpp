@@ -137,8 +137,8 @@ TEST_CASE(
     Shape floor;
     floor.add_level_square({3, 0, 0}, 1.0f, true);
     scene->add_mesh(floor.mesh("floor", 0));
-    Texture sky{256, 128, std::vector<float3>(256 * 128)};
-    sky.texels[40 * 256 + 30] = {900, 900, 900};
+    Texture sky{256, 128, std::vector<float3>(std::size_t{256} * 128)};
+    sky.texels[std::size_t{40} * 256 + 30] = {900, 900, 900};
     scene->set_environment({sky, {1, 1, 1}, 0.0f});
     const double by_paths = flux(lights_of(*scene, 20 * kPaths, 1), 0.5);
     const auto rays = shadow_map_rays(scene->impl(), EmissionTable(scene->impl()), 128, 1);
