@@ -7,9 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..reference import ReferenceOrder, reference_for
-from ..render import Budget, RenderJob
-from ..subject import Job, OwnSubject
+from ..render import RenderJob
+from ..subject import Job
 from ..virtual_lights import PATH, VirtualLightJob
 from .measure import DIRECT_SAMPLER, Bench, relative_rmse
 from .model import Curve, Picture, Plot, Study, Table
@@ -22,8 +21,7 @@ _MOMENT_RATIO = 1.5
 
 def equal_time(bench: Bench, methods: Sequence[str]) -> Study:
     """Each method for bench.seconds, in turns."""
-    reference = _reference(bench)
-    bounced = reference - _direct(bench)
+    reference, bounced = _reference(bench)
     racers = [_Racer(bench, method, bounced) for method in methods]
     while (racer := min(racers, key=lambda r: r.seconds)).seconds < bench.seconds:
         racer.render_pass()
@@ -50,7 +48,7 @@ def equal_time(bench: Bench, methods: Sequence[str]) -> Study:
         note=f"As figure 4 of [TH16]. Each method renders for {bench.seconds:g} s of wall time, in "
         "turns; the reference is the path tracer's, for "
         f"{_EFFORT} times as long. Errors are of light that bounced: direct light, which all find "
-        "alike, is subtracted to the bit, its time is not. Brightness: bounced light over that of the "
+        "alike, is subtracted to the bit, of the reference too; its time is not. Brightness: bounced light over that of the "
         "reference; below 1 it is missing. New virtual lights in each pass.",
         table=Table(
             ("method", "passes", "time, s", "RMSE / mean", "brightness of bounced light"),
@@ -98,20 +96,15 @@ class _Racer:
         return self.job.image().astype(np.float64) - self._direct.image()
 
 
-def _reference(bench: Bench) -> np.ndarray:
-    order = ReferenceOrder(
-        OwnSubject(bench.scene), (DIRECT_SAMPLER, DIRECT_SAMPLER), bench.settings,
-        Budget(None, _EFFORT * bench.seconds),
-    )  # fmt: skip
-    found = reference_for(order, lambda fraction, *_: bench.report("reference", fraction))
-    return found.image.astype(np.float64)
-
-
-def _direct(bench: Bench) -> np.ndarray:
-    """As much of it as the reference is worth: a quarter of its time."""
-    settings = replace(bench.settings, max_depth=2)
-    job = RenderJob(bench.scene, DIRECT_SAMPLER, settings)
-    while job.stats().seconds < 0.25 * _EFFORT * bench.seconds:
-        job.render_pass()
-        bench.report("direct light", min(job.stats().seconds / bench.seconds, 1.0))
-    return job.image().astype(np.float64)
+def _reference(bench: Bench) -> tuple[np.ndarray, np.ndarray]:
+    """The image, and what of it is not direct light: float64 (H, W, 3). With random numbers that no
+    method has, and the same for both, so that the noise of direct light is not in the latter."""
+    settings = replace(bench.settings, seed=(bench.settings.seed + 1) % 2**64)
+    full = RenderJob(bench.scene, DIRECT_SAMPLER, settings)
+    direct = RenderJob(bench.scene, DIRECT_SAMPLER, replace(settings, max_depth=2))
+    while (seconds := full.stats().seconds) < _EFFORT * bench.seconds:
+        full.render_pass()
+        direct.render_pass()
+        bench.report("reference", min(seconds / (_EFFORT * bench.seconds), 1.0))
+    image = full.image().astype(np.float64)
+    return image, image - direct.image()
