@@ -25,12 +25,12 @@ apt=(apt-get -q -o Dir::Etc::SourceList=/dev/null -o "Dir::Etc::SourceParts=$PWD
 
 fetch() {
     local package=$1 version=$2
-    rm -rf "$package" "$package"_*
-    "${apt[@]}" update
-    "${apt[@]}" source --download-only "$package=$version"
-    mkdir "$package"
-    tar xf "$package"_*.orig.tar.* -C "$package" --strip-components=1
-    touch "$package/readme.pdf"  # Embree installs it, and Debian left it out
+    rm -rf "$package" "$package"_* &&
+        "${apt[@]}" update &&
+        "${apt[@]}" source --download-only --tar-only "$package=$version" &&
+        mkdir "$package" &&
+        tar xf "$package"_*.orig.tar.* -C "$package" --strip-components=1 &&
+        touch "$package/readme.pdf"  # Embree installs it, and Debian left it out
 }
 
 # Configured by what follows the name and the version.
@@ -45,9 +45,9 @@ make_library() {
     }
     {
         cmake -S "$package" -B "$package/build" -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo \
-            -DCMAKE_INSTALL_PREFIX="$PWD" -DCMAKE_INSTALL_LIBDIR=lib "$@"
-        cmake --build "$package/build"
-        cmake --install "$package/build"
+            -DCMAKE_INSTALL_PREFIX="$PWD" -DCMAKE_INSTALL_LIBDIR=lib "$@" &&
+            cmake --build "$package/build" &&
+            cmake --install "$package/build"
     } >"$package.log" 2>&1 || {
         tail -40 "$package.log"
         exit 1

@@ -23,8 +23,7 @@ fi
 
 log=$root/build/$preset.log
 {
-    cmake --preset "$preset"
-    cmake --build --preset "$preset"
+    cmake --preset "$preset" && cmake --build --preset "$preset"
 } >"$log" 2>&1 || {
     tail -40 "$log"
     exit 1
