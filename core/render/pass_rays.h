@@ -26,7 +26,8 @@ class PassRays {
           steps_(static_cast<std::uint32_t>(pass)) {}
 
     Ray ray(std::uint32_t pixel) const noexcept {
-        const V2f corner(static_cast<float>(pixel % width_), static_cast<float>(pixel / width_));
+        const std::uint32_t x = pixel % width_, y = pixel / width_;
+        const V2f corner(static_cast<float>(x), static_cast<float>(y));
         const PathRandom random(lens_key_, pixel, 0);
         return camera_.ray(corner + place(pixel), random.two(Dimension::kLens));
     }

@@ -198,7 +198,9 @@ TEST_CASE("whole file: of many writers at once none fails, and the last one's fi
     const OldFile file;
     std::vector<std::thread> threads;
     std::atomic<int> errors{0};
-    for (int i = 0; i < 8; ++i) {
+    constexpr int kWriters = 8;
+    threads.reserve(kWriters);
+    for (int i = 0; i < kWriters; ++i) {
         threads.emplace_back([&, i] {
             const std::string mine(1000, static_cast<char>('a' + i));
             for (int times = 0; times < 40; ++times) {
