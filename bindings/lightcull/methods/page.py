@@ -10,6 +10,7 @@ from typing import Any
 import jinja2
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from ..images import write_whole_file
 from ..report import html, pictures, plots
@@ -71,6 +72,11 @@ def draw(plot: Plot) -> Figure:
         )  # fmt: skip
     axes.grid(which="major", color="#e6e8eb", linewidth=0.8)
     axes.legend(frameon=False)
+    for axis, (low, high) in ((axes.xaxis, axes.get_xlim()), (axes.yaxis, axes.get_ylim())):
+        axis.set_minor_formatter(NullFormatter())  # its labels would overlap
+        if high < 100 * low:
+            axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+            axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     return figure
 
 
