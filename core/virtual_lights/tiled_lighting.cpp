@@ -70,8 +70,7 @@ LightingCounts light_tile(const PassLights& lights, const SubTile& tile, Span<V3
     return lighting.counts();
 }
 
-ImperfectShadowMaps make_maps(const LightingPass& pass, const PreparedLights& lights,
-                              const Acceptance& acceptance) {
+ImperfectShadowMaps make_maps(const LightingPass& pass, const PreparedLights& lights) {
     const std::vector<VirtualLight>& all = lights.all();
     if (all.size() > ImperfectShadowMaps::kMostLights) {
         throw Error("virtual lights: " + std::to_string(all.size()) +
@@ -79,9 +78,9 @@ ImperfectShadowMaps make_maps(const LightingPass& pass, const PreparedLights& li
                     std::to_string(ImperfectShadowMaps::kMostLights));
     }
     std::vector<float> ranges(all.size(), std::numeric_limits<float>::infinity());
-    if (acceptance.has_ranges() && pass.options.map_culling) {
+    if (pass.options.map_culling) {
         for (std::size_t i = 0; i < all.size(); ++i) {
-            ranges[i] = std::sqrt(acceptance.farthest2(all[i], lights.of_light(i)));
+            ranges[i] = std::sqrt(lights.listed(i).farthest2);
         }
     }
     return {all, ranges, pass.cloud, pass.options.map_points, pass.key};
@@ -106,7 +105,7 @@ LightingCounts add_tiled_lighting(const LightingPass& pass, const std::vector<Vi
     std::optional<ImperfectShadowMaps> maps;
     if (options.shadows == VirtualShadows::kMaps) {
         const Stopwatch watch;
-        maps.emplace(make_maps(pass, prepared, acceptance));
+        maps.emplace(make_maps(pass, prepared));
         sum.map_points = maps->splatted();
         sum.build_seconds = watch.seconds();
     }
