@@ -37,6 +37,27 @@ struct Case {
     const char* description;
 };
 
+/// What the processor and a device choose at the same points.
+struct BothWays {
+    std::unique_ptr<LightSampler> cpu, gpu;
+    std::vector<ShadingPoint> points;
+    std::vector<float> u;
+    std::vector<Selection> expected, selected;
+
+    BothWays(const Case& scene, std::uint64_t seed) {
+        const std::vector<Light> lights = mixed_lights(scene.lights, seed, 6.0f);
+        cpu = make_sampler(scene.description, lights);
+        gpu = make_vulkan_sampler(make_sampler(scene.description, lights));
+        for (LightSampler* sampler : {cpu.get(), gpu.get()}) sampler->begin_pass(3);
+        points = mixed_points(point_count(), 73, cpu->set_count());
+        u = random_numbers(points.size());
+        expected.resize(points.size());
+        selected.resize(points.size());
+        cpu->select(points, u, expected);
+        gpu->select(points, u, selected);
+    }
+};
+
 /// The last of them has more nodes than a walk reads first in, first out.
 constexpr Case kCases[] = {{1, "culled"},
                            {30, "culled:sets=4"},
@@ -53,15 +74,8 @@ bool is_near(float a, float b) {
 TEST_CASE("a device chooses the light that the processor chooses, with its probability") {
     for (const Case& scene : kCases) {
         CAPTURE(scene.lights);
-        const std::vector<Light> lights = mixed_lights(scene.lights, 72, 6.0f);
-        const auto cpu = make_sampler(scene.description, lights);
-        const auto gpu = make_vulkan_sampler(make_sampler(scene.description, lights));
-        for (LightSampler* sampler : {cpu.get(), gpu.get()}) sampler->begin_pass(3);
-        const auto points = mixed_points(point_count(), 73, cpu->set_count());
-        const auto u = random_numbers(points.size());
-        std::vector<Selection> expected(points.size()), selected(points.size());
-        cpu->select(points, u, expected);
-        gpu->select(points, u, selected);
+        const BothWays both(scene, 72);
+        const auto& [cpu, gpu, points, u, expected, selected] = both;
 
         const CulledScene inside = dynamic_cast<const CulledSamplerBase&>(*cpu).scene();
         std::size_t different = 0;
@@ -89,15 +103,8 @@ TEST_CASE("a device keeps the paper's list as the processor does") {
           Case{2'000, "paper:list=64"},
           Case{2'000, "paper:error_bound=auto:test=light:weight=g_over_p"}}) {
         CAPTURE(scene.description);
-        const std::vector<Light> lights = mixed_lights(scene.lights, 79, 6.0f);
-        const auto cpu = make_sampler(scene.description, lights);
-        const auto gpu = make_vulkan_sampler(make_sampler(scene.description, lights));
-        for (LightSampler* sampler : {cpu.get(), gpu.get()}) sampler->begin_pass(3);
-        const auto points = mixed_points(point_count(), 73, cpu->set_count());
-        const auto u = random_numbers(points.size());
-        std::vector<Selection> expected(points.size()), selected(points.size());
-        cpu->select(points, u, expected);
-        gpu->select(points, u, selected);
+        const BothWays both(scene, 79);
+        const auto& [cpu, gpu, points, u, expected, selected] = both;
         std::size_t different = 0, found = 0;
         for (std::size_t i = 0; i < points.size(); ++i) {
             found += expected[i].prob > 0.0f ? 1 : 0;
