@@ -40,7 +40,7 @@ struct LightGroups {
 LightGroups make_light_groups(const LightTable& table, std::uint32_t max_size);
 
 /// The size with which selection costs least for its error, found by trial: single lights where
-/// there are few, so that there are some hundred groups.
+/// there are few, else so that there are a thousand groups or more.
 std::uint32_t suitable_group_size(std::size_t lights) noexcept;
 
 /// g of [TH16] Eq. 9 of all lights of a group, 0 only where none of them reaches the point.
