@@ -1,4 +1,4 @@
-"""The palace of the `lanterns` scene: courtyards of equal shape between two storeys of arcades."""
+"""The courtyard of the `lanterns` scene: a paved court with a fountain, in an arcade of columns."""
 
 from __future__ import annotations
 
@@ -10,31 +10,23 @@ from . import filling, geometry
 from .chance import Chance, Noise
 from .color import from_srgb
 from .geometry import Shape, faceted
-from .plants import leafy_balls
 
 if TYPE_CHECKING:
     from lightcull import Scene
 
-HALF_WIDTH, HALF_LENGTH = 12.0, 9.0
-"""Of a court between the columns, along x and z."""
-BAY, DEPTH, WALL = 3.0, 3.2, 0.4
-"""Width of a bay, depth of the arcades, and of the wall behind them."""
-STOREYS = ((0.0, 4.4), (4.7, 8.2))
-"""Floor and ceiling of each."""
-COLUMN_RADIUS = 0.2
-COURTS = np.array(
-    [(x, 0.0, z) for x in (0.0, 2 * (HALF_WIDTH + DEPTH + WALL))
-     for z in (0.0, -2 * (HALF_LENGTH + DEPTH + WALL))]
-)  # fmt: skip
-"""Their centres; the camera is in the first."""
+HALF_WIDTH, HALF_LENGTH = 48.0, 32.0
+"""Of the court between the columns, along x and z."""
+BAY, DEPTH, WALL = 4.0, 4.0, 0.4
+"""Width of a bay, depth of the arcade, and of the wall behind it."""
+SPRING, CEILING, EAVES = 3.0, 5.0, 5.3
+"""Heights that the arches spring from, of the arcade's ceiling, and of the roof's edge."""
+COLUMN_RADIUS = 0.24
+BASIN = 3.2
+"""Radius of the fountain's basin."""
 
 
-def in_courts(shape: Shape) -> Shape:
-    return geometry.scatter(shape, COURTS)
-
-
-def around_courts(bay: Shape) -> Shape:
-    """A bay, built about x = 0 with the court towards +z, set up along all sides of all courts."""
+def around(bay: Shape) -> Shape:
+    """A bay, built about x = 0 with the court towards +z, set up along all sides of the court."""
     along_x = np.arange(-HALF_WIDTH + BAY / 2, HALF_WIDTH, BAY)
     along_z = np.arange(-HALF_LENGTH + BAY / 2, HALF_LENGTH, BAY)
     places, yaws = [], []
@@ -44,12 +36,7 @@ def around_courts(bay: Shape) -> Shape:
     for side, yaw in ((-1, np.pi / 2), (1, -np.pi / 2)):
         places += [(side * HALF_WIDTH, 0.0, z) for z in along_z]
         yaws += [yaw] * len(along_z)
-    return in_courts(geometry.scatter(bay, np.array(places), yaws=np.array(yaws)))
-
-
-def places_around_courts(x: float, y: float, z: float) -> np.ndarray:
-    """(K, 3): a point of a bay, in every bay of a storey."""
-    return around_courts(Shape(np.array([(x, y, z)]), np.zeros((0, 3), dtype=np.uint32))).positions
+    return geometry.scatter(bay, np.array(places), yaws=np.array(yaws))
 
 
 def _arch(spring: float, top: float, thickness: float = 0.44, segments: int = 20) -> Shape:
@@ -102,30 +89,16 @@ def _column(bottom: float, top: float) -> Shape:
     return geometry.merge((faceted(flat), shaft)).moved(x=-BAY / 2)
 
 
-def _balustrade(floor: float) -> Shape:
-    reach = BAY / 2 - COLUMN_RADIUS
-    rail = geometry.box((-reach, floor + 0.86, -0.1), (reach, floor + 0.98, 0.1))
-    foot = geometry.box((-reach, floor, -0.1), (reach, floor + 0.1, 0.1))
-    post = geometry.lathe(
-        [(0.055, 0.1), (0.075, 0.3), (0.035, 0.5), (0.035, 0.72), (0.055, 0.86)], 8
-    )
-    x = np.linspace(-reach + 0.15, reach - 0.15, 9)
-    posts = geometry.scatter(post, np.column_stack((x, np.full(9, floor), np.zeros(9))))
-    return geometry.merge((faceted(rail), faceted(foot), posts))
-
-
 def _ring(inner: float, outer: float, bottom: float, top: float) -> Shape:
-    """A flat frame about each court, from `inner` to `outer` metres behind the columns."""
+    """A flat frame about the court, from `inner` to `outer` metres behind the columns."""
     x0, z0 = HALF_WIDTH + inner, HALF_LENGTH + inner
     x1, z1 = HALF_WIDTH + outer, HALF_LENGTH + outer
-    return in_courts(
-        geometry.merge(
-            (
-                geometry.box((-x1, bottom, -z1), (x1, top, -z0)),
-                geometry.box((-x1, bottom, z0), (x1, top, z1)),
-                geometry.box((-x1, bottom, -z0), (-x0, top, z0)),
-                geometry.box((x0, bottom, -z0), (x1, top, z0)),
-            )
+    return geometry.merge(
+        (
+            geometry.box((-x1, bottom, -z1), (x1, top, -z0)),
+            geometry.box((-x1, bottom, z0), (x1, top, z1)),
+            geometry.box((-x1, bottom, -z0), (-x0, top, z0)),
+            geometry.box((x0, bottom, -z0), (x1, top, z0)),
         )
     )
 
@@ -137,28 +110,19 @@ def add_architecture(scene: Scene, chance: Chance) -> None:
     tiles = filling.diffuse(scene, from_srgb("#a5583a"))
     wood = filling.diffuse(scene, from_srgb("#6b4a33"))
 
-    (low, ceiling), (gallery, eaves) = STOREYS
-    arches = [_arch(2.9, ceiling), _arch(gallery + 2.1, eaves)]
-    columns = [_column(low, 2.9), _column(gallery, gallery + 2.1)]
-    filling.add(scene, "arches", around_courts(geometry.merge(arches)), stone)
-    filling.add(scene, "columns", around_courts(geometry.merge(columns)), trim)
-    filling.add(scene, "balustrade", around_courts(_balustrade(gallery)), trim)
-
-    floors = [_ring(-0.28, DEPTH, ceiling, gallery), _ring(-0.28, DEPTH, eaves, eaves + 0.3)]
-    filling.add(scene, "floors", geometry.merge(floors), trim)
-    filling.add(scene, "walls", _ring(DEPTH, DEPTH + WALL, 0.0, eaves + 0.3), wall)
-    doors = geometry.merge((_door(low), _door(gallery)))
-    filling.add(scene, "doors", around_courts(doors), wood)
-    filling.add(scene, "roof", _roof(eaves + 0.3), tiles)
+    filling.add(scene, "arches", around(_arch(SPRING, CEILING)), stone)
+    filling.add(scene, "columns", around(_column(0.0, SPRING)), trim)
+    filling.add(scene, "ceiling", _ring(-0.28, DEPTH, CEILING, EAVES), trim)
+    filling.add(scene, "walls", _ring(DEPTH, DEPTH + WALL, 0.0, EAVES), wall)
+    filling.add(scene, "doors", around(_door(0.0)), wood)
+    filling.add(scene, "roof", _roof(EAVES), tiles)
 
     across, along = HALF_WIDTH + DEPTH, HALF_LENGTH + DEPTH
     ground = geometry.quad(
         (-across, 0.0, along), (2 * across, 0, 0), (0, 0, -2 * along),
         (across / 2.4, along / 2.4),
     )  # fmt: skip
-    filling.add(
-        scene, "ground", in_courts(ground), filling.diffuse(scene, np.ones(3), _paving(chance))
-    )
+    filling.add(scene, "ground", ground, filling.diffuse(scene, np.ones(3), _paving(chance)))
 
 
 def _door(floor: float) -> Shape:
@@ -192,7 +156,7 @@ def _roof(eaves: float) -> Shape:
     for forward, height in ((overhang, eaves - 0.12), (-depth, eaves + rise)):
         rows.append(np.column_stack((x, height + wave, np.full(columns, forward))))
     slope = Shape(np.concatenate(rows), geometry.grid_indices(2, columns))
-    return around_courts(slope)
+    return around(slope)
 
 
 def _paving(chance: Chance) -> np.ndarray:
@@ -205,39 +169,20 @@ def _paving(chance: Chance) -> np.ndarray:
     column = np.floor(x + shift).astype(int) % stones
     shade = chance.uniform(0.8, 1.12, (stones, stones))[np.floor(y).astype(int), column]
     dark = chance.uniform(0.0, 1.0, (stones, stones))[np.floor(y).astype(int), column] < 0.18
-    color = np.where(dark[..., None], from_srgb("#857468"), from_srgb("#b8aea2"))
+    color = np.where(dark[..., None], from_srgb("#b59c86"), from_srgb("#dcd4c8"))
     color = color * shade[..., None] * (1 + 0.12 * noise(6 * x, 6 * y, 3))[..., None]
     edge = np.minimum(np.minimum(u, 1 - u), np.minimum(v, 1 - v))
     grout = np.clip(edge / 0.035, 0.35, 1.0)[..., None]
     return np.clip(color * grout, 0.0, 1.0)
 
 
-def add_fountains(scene: Scene) -> None:
+def add_fountain(scene: Scene) -> None:
     marble = filling.diffuse(scene, from_srgb("#e6ddd0"))
     water = filling.glossy(scene, from_srgb("#0d2b33"), roughness=0.22)
-    wall = [(2.3, 0), (2.3, 0.12), (2.1, 0.18), (2.1, 0.55), (2.22, 0.6), (2.22, 0.68), (1.9, 0.68)]
-    stem = [(1.9, 0.1), (0.3, 0.1), (0.22, 0.8), (0.16, 1.3), (0.3, 1.42)]
+    r = BASIN
+    wall = [(r, 0), (r, 0.12), (r - 0.2, 0.18), (r - 0.2, 0.55), (r - 0.08, 0.6), (r - 0.08, 0.68),
+            (r - 0.4, 0.68)]  # fmt: skip
+    stem = [(r - 0.4, 0.1), (0.3, 0.1), (0.22, 0.8), (0.16, 1.3), (0.3, 1.42)]
     bowl = [(0.85, 1.58), (0.9, 1.66), (0.82, 1.66), (0.2, 1.55), (0.1, 1.9), (0.0, 1.95)]
-    filling.add(scene, "fountains", in_courts(geometry.lathe(wall + stem + bowl, 48)), marble)
-    surface = [(1.9, 0.52), (0.25, 0.52)]
-    filling.add(scene, "water", in_courts(geometry.lathe(surface, 48)), water)
-
-
-def add_trees(scene: Scene, chance: Chance) -> np.ndarray:
-    """Trees in pots; returns the centres of their crowns, (K, 3)."""
-    clay = filling.diffuse(scene, from_srgb("#b4623f"))
-    bark = filling.diffuse(scene, from_srgb("#5a4433"))
-    leaf = filling.diffuse(scene, from_srgb("#5d7d3a"))
-    feet = np.concatenate(
-        [court + [(x, 0.0, z) for x in (-4.5, 4.5) for z in (-5.2, 5.2)] for court in COURTS]
-    )
-    pot = geometry.lathe(
-        [(0.36, 0), (0.52, 0.62), (0.6, 0.62), (0.6, 0.74), (0.5, 0.74), (0.46, 0.62), (0, 0.62)],
-        24,
-    )
-    trunk = geometry.lathe([(0.08, 0.6), (0.05, 2.0)], 10)
-    filling.add(scene, "pots", geometry.scatter(pot, feet), clay)
-    filling.add(scene, "trunks", geometry.scatter(trunk, feet), bark)
-    crowns = feet + (0.0, 2.25, 0.0)
-    filling.add(scene, "leaves", leafy_balls(chance, crowns, (0.4, 0.72), 900), leaf)
-    return crowns
+    filling.add(scene, "fountain", geometry.lathe(wall + stem + bowl, 48), marble)
+    filling.add(scene, "water", geometry.lathe([(r - 0.4, 0.52), (0.25, 0.52)], 48), water)
