@@ -10,9 +10,9 @@ if TYPE_CHECKING:
     from lightcull import Scene
 
 NAMES = {
-    "lanterns": "a palace of courtyards hung with 2,736 lanterns: 54,720 triangle lights",
+    "lanterns": "a courtyard with columns and 2,736 lanterns: 54,720 triangle lights",
     "city": "a street at night: windows, shops, signs and lamps, most of them out of sight",
-    "embers": "250,000 embers over a glossy floor, powers over six decades",
+    "embers": "250,000 embers blown over a glossy floor, powers over six decades",
     "cornell": "the Cornell box under a square lamp: 2 triangle lights",
     "million": "snowy hills planted with 51,200 glowing bulbs: 1,024,000 triangle lights",
 }

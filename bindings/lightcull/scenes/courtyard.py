@@ -14,7 +14,7 @@ from .geometry import Shape, faceted
 if TYPE_CHECKING:
     from lightcull import Scene
 
-HALF_WIDTH, HALF_LENGTH = 48.0, 32.0
+HALF_WIDTH, HALF_LENGTH = 56.0, 40.0
 """Of the court between the columns, along x and z."""
 BAY, DEPTH, WALL = 4.0, 4.0, 0.4
 """Width of a bay, depth of the arcade, and of the wall behind it."""

@@ -1,7 +1,8 @@
-"""A whirl of 250,000 embers over a polished floor, in a ring of standing stones.
+"""250,000 embers that wind blows out of a bowl and low over a wide polished floor.
 
-An ember is one small triangle that glows on both sides. Powers are spread evenly over six decades,
-colours are those of glowing coal, the stronger the hotter.
+The camera looks down at the floor between two of the stones that stand about the bowl. An ember is
+one small triangle that glows on both sides. Powers are spread evenly over six decades, colours are
+those of glowing coal, the stronger the hotter.
 """
 
 from __future__ import annotations
@@ -20,9 +21,11 @@ if TYPE_CHECKING:
 
 EMBERS = 250_000
 DECADES = 6.0
-STRONGEST = 0.055
+STRONGEST = 0.4
 """Power of the strongest ember, W, weighted by luminance."""
 BOWL_TOP = 1.05
+REACH = 28.0
+"""Of the wind, metres from the bowl."""
 
 
 def fill(scene: Scene) -> None:
@@ -32,7 +35,7 @@ def fill(scene: Scene) -> None:
     _add_bowl(scene)
     _add_embers(scene, chance)
     scene.set_camera(
-        origin=(1.3, 1.9, 12.5), target=(-0.1, 2.9, 0.0), vertical_fov=np.radians(42.0)
+        origin=(7.4, 1.3, 2.6), target=(6.0, 0.1, 1.2), vertical_fov=np.radians(40.0)
     )
 
 
@@ -98,23 +101,23 @@ def _add_bowl(scene: Scene) -> None:
 
 
 def _add_embers(scene: Scene, chance: Chance) -> None:
-    in_whirl, drifting = 200_000, 22_000
-    on_floor = EMBERS - in_whirl - drifting
+    in_whirl, blown = 30_000, 212_000
+    on_floor = EMBERS - in_whirl - blown
     centres = np.concatenate(
-        (_whirl(chance, in_whirl), _drift(chance, drifting), _fallen(chance, on_floor))
+        (_whirl(chance, in_whirl), _blown(chance, blown), _fallen(chance, on_floor))
     )
     exponent = chance.uniform(shape=EMBERS)
     exponent = (exponent - exponent.min()) / (exponent.max() - exponent.min())
     power = STRONGEST * 10.0 ** (-DECADES * exponent)
-    size = (0.006 + 0.013 * (1 - exponent)) * chance.uniform(0.7, 1.3, EMBERS)
+    size = (0.008 + 0.012 * (1 - exponent)) * chance.uniform(0.7, 1.3, EMBERS)
 
-    lying = np.arange(EMBERS) >= in_whirl + drifting
+    lying = np.arange(EMBERS) >= in_whirl + blown
     triangles = _triangles(chance, centres, size, lying)
     corners = triangles.positions[triangles.indices]
     area = 0.5 * np.linalg.norm(
         np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
     )
-    color = blackbody(np.linspace(2150.0, 1100.0, 256))[np.round(255 * exponent).astype(int)]
+    color = blackbody(np.linspace(2150.0, 1900.0, 256))[np.round(255 * exponent).astype(int)]
     radiance = with_luminance(color, power / (2 * np.pi * area))
     filling.add_lights(scene, "embers", triangles, radiance, two_sided=True)
 
@@ -137,11 +140,11 @@ def _whirl(chance: Chance, count: int) -> np.ndarray:
     )
 
 
-def _drift(chance: Chance, count: int) -> np.ndarray:
-    """Sparks blown about inside the ring."""
+def _blown(chance: Chance, count: int) -> np.ndarray:
+    """Embers blown about, knee-high at most."""
     angle = chance.uniform(0, 2 * np.pi, count)
-    radius = 5.2 * np.sqrt(chance.uniform(shape=count))
-    height = 0.08 + 6.5 * chance.uniform(shape=count) ** 1.7
+    radius = REACH * np.sqrt(chance.uniform(shape=count))
+    height = 0.04 + 0.3 * chance.uniform(shape=count) ** 1.7
     return np.column_stack((radius * np.cos(angle), height, radius * np.sin(angle)))
 
 

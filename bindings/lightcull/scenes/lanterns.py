@@ -44,7 +44,7 @@ def fill(scene: Scene, lights: int = LIGHTS) -> None:
     courtyard.add_fountain(scene)
     _add_lanterns(scene, chance, lights // 20)
     scene.set_camera(
-        origin=(34.6, 4.0, 22.0), target=(37.5, 0.75, 25.2), vertical_fov=np.radians(46.0)
+        origin=(42.6, 4.0, 30.0), target=(45.5, 0.95, 33.2), vertical_fov=np.radians(46.0)
     )
 
 
@@ -56,7 +56,7 @@ def _add_lanterns(scene: Scene, chance: Chance, count: int) -> None:
     shrink = 1 / np.sqrt(crowding)
     radii = shrink * np.clip(RADIUS * power**0.35, SMALLEST, LARGEST)
     tops = _spiral(places)
-    tops[:, 1] = 3.5 * radii + shrink * chance.uniform(0.05, 0.25, places)
+    tops[:, 1] = 3.5 * radii + shrink * chance.uniform(0.1, 0.25, places)
 
     taken = _taken(chance, places, count)
     tops, radii, power = tops[taken], radii[taken], power[taken]
