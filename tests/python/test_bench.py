@@ -212,7 +212,7 @@ def test_series_has_constant_power() -> None:
         assert power == pytest.approx(powers[54_720], rel=1e-4)
 
 
-def test_more_lanterns_are_smaller_and_in_the_same_places() -> None:
+def test_more_lanterns_are_smaller_and_spread_over_the_same_ground() -> None:
     few, default, many = (
         scenes.build("lanterns", lights=lights).lights() for lights in (10_000, 54_720, 120_000)
     )
@@ -220,7 +220,7 @@ def test_more_lanterns_are_smaller_and_in_the_same_places() -> None:
     assert many["radius"].mean() == pytest.approx(default["radius"].mean() / 3**0.5, rel=0.05)
     for lights in (few, many):
         middle, reach = (
-            [how(v["center"], axis=0) for v in (lights, default)] for how in (np.mean, np.std)
+            [how(v["center"][:, [0, 2]], axis=0) for v in (lights, default)] for how in (np.mean, np.std)
         )
         # 500 lanterns over 120 m have their mean within 1.6 m; the seed is fixed.
         np.testing.assert_allclose(*middle, atol=2.0)
