@@ -33,7 +33,7 @@ PAPERS = ("#ffb25c", "#ffac54", "#ffb866", "#ffbe70")
 def fill(scene: Scene, lights: int = LIGHTS) -> None:
     """lights: a multiple of 20. Places for `LANTERNS` of them are filled in part where they are
     fewer, and are taken closer together where they are more, for lanterns that are smaller in
-    proportion. The power of all together stays.
+    proportion and nearer to the ground. The power of all together stays.
     """
     import lightcull
 
@@ -52,7 +52,7 @@ def _add_lanterns(scene: Scene, chance: Chance, count: int) -> None:
     crowding = -(-count // LANTERNS)
     places = crowding * LANTERNS
     power = chance.log_normal(POWER_SIGMA, places)
-    # As many times as many in the plane: distances shrink with the root.
+    # `crowding` times as many on the same ground: distances shrink with the root.
     shrink = 1 / np.sqrt(crowding)
     radii = shrink * np.clip(RADIUS * power**0.35, SMALLEST, LARGEST)
     tops = _spiral(places)
