@@ -76,7 +76,7 @@ LightGroups make_light_groups(const LightTable& table, std::uint32_t max_size) {
 }
 
 std::uint32_t suitable_group_size(std::size_t lights) noexcept {
-    constexpr std::size_t kGroups = 800, kMostLights = 128;
+    constexpr std::size_t kGroups = 400, kMostLights = 128;
     return static_cast<std::uint32_t>(std::clamp(lights / kGroups, std::size_t{1}, kMostLights));
 }
 

@@ -19,7 +19,7 @@ void check_set_count(std::uint32_t set_count) {
 std::uint32_t suitable_set_count(std::size_t lights, std::uint32_t points_per_pass) noexcept {
     constexpr std::uint32_t kFew = 16, kUsual = 64, kMany = 256;
     // With fewer points to a set, refits cost as much as selections, and packets spread.
-    constexpr std::uint32_t kPointsPerSet = 1000;
+    constexpr std::uint32_t kPointsPerSet = 4000;
     if (points_per_pass == 0) return kUsual;
     if (std::size_t{points_per_pass} * 3 < lights) return kFew;
     for (const std::uint32_t sets : {kMany, kUsual}) {

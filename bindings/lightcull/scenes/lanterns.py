@@ -44,7 +44,7 @@ def fill(scene: Scene, lights: int = LIGHTS) -> None:
     courtyard.add_fountain(scene)
     _add_lanterns(scene, chance, lights // 20)
     scene.set_camera(
-        origin=(42.6, 4.0, 30.0), target=(45.5, 0.95, 33.2), vertical_fov=np.radians(46.0)
+        origin=(50.0, 2.4, 36.9), target=(20.0, 1.4, 36.0), vertical_fov=np.radians(50.0)
     )
 
 

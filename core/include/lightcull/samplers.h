@@ -61,7 +61,7 @@ struct RangeOptions {
 struct CulledOptions {
     RangeOptions range;
     std::uint32_t set_count = 64;  ///< a power of 4, at most 4096
-    /// Most lights in a group, >= 1; 1 is the paper. None: an 800th of them, at most 128.
+    /// Most lights in a group, >= 1; 1 is the paper. None: a 400th of them, at most 128.
     std::optional<std::uint32_t> group_size;
 };
 std::unique_ptr<LightSampler> make_culled_sampler(Span<const Light> lights,
