@@ -6,8 +6,10 @@
 #include <memory>
 #include <mutex>
 #include <utility>
+#include <vector>
 
 #include "gpu/device_sampler.h"
+#include "lights/directed_culled_sampler.h"
 #include "lights/parallel_blocks.h"
 
 namespace lightcull {
@@ -101,6 +103,20 @@ class VulkanLightSampler final : public LightSampler {
 
 }  // namespace
 
+namespace {
+
+[[noreturn]] void fail_for_glossy() {
+    throw Error("Vulkan: there are glossy points among the lights, which no device chooses");
+}
+
+void check_no_glossy(const std::vector<LightRecord>& records) {
+    for (const LightRecord& light : records) {
+        if (light.is_glossy()) fail_for_glossy();
+    }
+}
+
+}  // namespace
+
 std::unique_ptr<LightSampler> make_vulkan_sampler(std::unique_ptr<LightSampler> sampler,
                                                   const VulkanOptions& options) {
     if (const auto* culled = dynamic_cast<const CulledSamplerBase*>(sampler.get())) {
@@ -111,9 +127,11 @@ std::unique_ptr<LightSampler> make_vulkan_sampler(std::unique_ptr<LightSampler> 
     const auto* paper = dynamic_cast<const PaperSamplerBase*>(sampler.get());
     if (paper != nullptr && paper->scene().list_size > 0) {
         const PaperScene scene = paper->scene();
+        check_no_glossy(scene.tree.records());
         return std::make_unique<VulkanLightSampler>(std::move(sampler), scene.tree.frame(),
                                                     scene.tree.tree(), chooser_of(scene), options);
     }
+    if (dynamic_cast<const DirectedCulledSamplerBase*>(sampler.get()) != nullptr) fail_for_glossy();
     throw Error("Vulkan: of the samplers, only culled and paper (with a list) run on a device");
 }
 

@@ -6,9 +6,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include "lights/culled_scene.h"
+#include "lights/directed_culled_sampler.h"
 #include "lights/kernels.h"
 #include "lights/parallel_blocks.h"
 #include "lights/point_order.h"
@@ -245,6 +247,15 @@ std::unique_ptr<LightSampler> make_culled_sampler(Span<const Light> lights,
     check_set_count(options.set_count);
     if (options.group_size == 0u) throw Error("group is 0, wanted 1 or more");
     const LightTable table = make_light_table(lights);
+    if (table.has_glossy) {
+        if (options.group_size.value_or(1) != 1) {
+            throw Error("group is " + std::to_string(*options.group_size) +
+                        ", and there are glossy points, which do not share ranges");
+        }
+        const float reach =
+            calibrate_reach(directed_scene(table), options.range, RangeLaw::kRandom);
+        return make_directed_culled_sampler(table, reach, options.set_count);
+    }
     LightGroups groups = make_light_groups(
         table, options.group_size.value_or(suitable_group_size(table.lit.size())));
     const float reach =

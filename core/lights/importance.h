@@ -65,6 +65,24 @@ inline float3 axis_of(const LightRecord& light) noexcept {
            LightRecord::kSnorm;
 }
 
+/// Of a glossy lobe of that 1 / alpha^2 - 1 about an axis (unit length), the root of what its
+/// intensity towards the point falls by: the distance over that of [TH17] Eq. 12.
+inline float lobe_fall_off(float3 axis, float sharpness, const Approach& way) noexcept {
+    const float along = -dot(axis, way.way);
+    // The square of the sine of half the angle; (1 - cosine) / 2 would cancel near the axis.
+    float half_sine2 = 0.5f * (1.0f - along / way.distance);
+    if (along > 0.0f) {
+        const float3 across = cross(axis, way.way);
+        half_sine2 = 0.5f * dot(across, across) / (way.distance * (way.distance + along));
+    }
+    return 1.0f + sharpness * half_sine2;
+}
+
+/// 1 / alpha^2 - 1 of a glossy point.
+inline float lobe_sharpness(const LightRecord& light) noexcept {
+    return 1.0f / (light.alpha() * light.alpha()) - 1.0f;
+}
+
 /// The angle that a light's bounding sphere fills, half of it; the point is outside.
 inline Angle half_view_of(const LightRecord& light, const Approach& way) noexcept {
     return Angle::from_sine_acute(light.radius / way.distance);
@@ -150,6 +168,11 @@ inline float importance(const LightRecord& light, const Approach& way,
         float height = -dot(axis_of(light), way.way);
         if (light.two_sided != 0) height = std::abs(height);
         emitter = std::min(height * inverse + kAxisRounding, 1.0f);
+    } else if (light.is_glossy()) {
+        const float3 axis = axis_of(light);
+        const float fall_off =
+            lobe_fall_off(axis * (1.0f / length(axis)), lobe_sharpness(light), way);
+        emitter = 1.0f / (fall_off * fall_off);
     } else if (way.distance > light.radius) {
         emitter = emitter_bound(light, way, half_view_of(light, way));
     }

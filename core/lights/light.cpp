@@ -89,6 +89,20 @@ Light spot_light(float3 position, float3 direction, float intensity, float inner
     return light;
 }
 
+Light diffuse_point_light(float3 position, float3 normal, float intensity) noexcept {
+    Light light = point_light(position, intensity);
+    light.axis = normal;
+    light.cos_theta_o = 1.0f;
+    return light;
+}
+
+Light glossy_point_light(float3 position, float3 direction, float intensity, float alpha) noexcept {
+    Light light = point_light(position, intensity);
+    light.axis = direction;
+    light.lobe_alpha = alpha;
+    return light;
+}
+
 Light bounded_light(float3 box_min, float3 box_max, float3 axis, float cos_theta_o,
                     float cos_theta_e, bool two_sided, float power) noexcept {
     Light light;

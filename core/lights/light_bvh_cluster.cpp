@@ -9,6 +9,8 @@ namespace lightcull {
 namespace {
 
 constexpr float kPi = 3.14159265f;
+/// Of what is lit.
+constexpr float kLeastIntensity = 1e-37f;
 
 float angle_between(float3 a, float3 b) noexcept {
     return std::atan2(length(cross(a, b)), dot(a, b));
@@ -93,10 +95,17 @@ LightCluster cluster_of(const LightRecord& light) noexcept {
     if (const float norm = length(axis); norm > 0.0f) cone.axis = axis * (1.0f / norm);
     cone.set_theta_o(
         std::acos(std::max(-1.0f, static_cast<float>(light.cos_theta_o) * LightRecord::kSnorm)));
-    cone.theta_e = std::acos(static_cast<float>(light.cos_theta_e) * LightRecord::kSnorm);
+    cone.theta_e = light.is_glossy()
+                       ? 0.5f * kPi
+                       : std::acos(static_cast<float>(light.cos_theta_e) * LightRecord::kSnorm);
     cone.two_sided = light.two_sided != 0;
 
     result.intensity = light.intensity;
+    if (light.is_glossy()) {
+        // To a cluster a lobe is its mean over all directions.
+        result.intensity =
+            std::max(light.intensity * light.alpha() * light.alpha(), kLeastIntensity);
+    }
     result.center = light.center;
     result.radius = light.radius;
     result.variance = kSpread * light.radius * light.radius;

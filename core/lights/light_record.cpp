@@ -9,6 +9,8 @@
 namespace lightcull {
 namespace {
 
+constexpr float kLeastLobeAlpha = 1e-3f;
+
 [[noreturn]] void fail(std::size_t light, const char* field, const std::string& what) {
     throw Error("light " + std::to_string(light) + ": " + field + " " + what);
 }
@@ -19,6 +21,13 @@ void check_range(std::size_t light, const char* field, float value, float low, f
              "is " + std::to_string(value) + ", wanted " + std::to_string(low) + " to " +
                  std::to_string(high));
     }
+}
+
+void check_glossy(std::size_t i, const Light& light) {
+    check_range(i, "lobe_alpha", light.lobe_alpha, kLeastLobeAlpha, 1.0f);
+    check_range(i, "radius of a glossy point", light.radius, 0.0f, 0.0f);
+    check_range(i, "cos_theta_o of a glossy point", light.cos_theta_o, -1.0f, -1.0f);
+    if (light.two_sided) fail(i, "two_sided", "is set, and it is a glossy point");
 }
 
 void check(std::size_t i, const Light& light) {
@@ -33,7 +42,8 @@ void check(std::size_t i, const Light& light) {
     }
     check_range(i, "cos_theta_o", light.cos_theta_o, -1.0f, 1.0f);
     check_range(i, "cos_theta_e", light.cos_theta_e, 0.0f, 1.0f);
-    const bool needs_axis = light.cos_theta_o > -1.0f;
+    if (light.lobe_alpha != 0.0f) check_glossy(i, light);
+    const bool needs_axis = light.cos_theta_o > -1.0f || light.lobe_alpha != 0.0f;
     if (needs_axis && !(std::abs(length(light.axis) - 1.0f) < kAxisTolerance)) {
         fail(i, "axis", "has length " + std::to_string(length(light.axis)) + ", wanted 1");
     }
@@ -58,7 +68,7 @@ LightRecord to_record(const Light& light, const Frame& frame) noexcept {
     record.radius = light.radius * frame.inv_scale;
     record.intensity = light.intensity / frame.intensity;
     record.two_sided = light.two_sided ? 1 : 0;
-    if (light.cos_theta_o > -1.0f) {
+    if (light.cos_theta_o > -1.0f || light.lobe_alpha > 0.0f) {
         record.axis[0] = to_snorm(light.axis.x);
         record.axis[1] = to_snorm(light.axis.y);
         record.axis[2] = to_snorm(light.axis.z);
@@ -67,6 +77,7 @@ LightRecord to_record(const Light& light, const Frame& frame) noexcept {
                              ? LightRecord::kFlat
                              : to_wider_cone(light.cos_theta_o, kAxisRounding);
     record.cos_theta_e = std::max<std::int16_t>(0, to_wider_cone(light.cos_theta_e, 0.0));
+    if (light.lobe_alpha > 0.0f) record.cos_theta_e = to_snorm(-light.lobe_alpha);
     return record;
 }
 
@@ -105,6 +116,7 @@ LightTable make_light_table(Span<const Light> lights) {
         // Relative to the brightest, the faintest may vanish; then no path would ever miss it.
         if (table.records.back().intensity > 0.0f) {
             table.lit.push_back(static_cast<std::uint32_t>(i));
+            table.has_glossy |= table.records.back().is_glossy();
         }
     }
     return table;

@@ -19,11 +19,16 @@ struct LightRecord {
     float intensity;           ///< 1 for the brightest light of the table
     std::int16_t axis[3];      ///< times kSnorm
     std::int16_t cos_theta_o;  ///< times kSnorm, rounded to a wider cone; kFlat: flat
-    std::int16_t cos_theta_e;  ///< times kSnorm, rounded to a wider cone
+    std::int16_t cos_theta_e;  ///< times kSnorm, rounded to a wider cone; of a glossy point
+                               ///< -lobe_alpha
     std::uint16_t two_sided;   ///< 0 or 1
 
     static constexpr float kSnorm = 1.0f / 32767.0f;
     static constexpr std::int16_t kFlat = 32767;
+
+    bool is_glossy() const noexcept { return cos_theta_e < 0; }
+    /// Of a glossy one.
+    float alpha() const noexcept { return static_cast<float>(-cos_theta_e) * kSnorm; }
 };
 static_assert(sizeof(LightRecord) == 32 && alignof(LightRecord) == 4);
 static_assert(offsetof(LightRecord, radius) == 12 && offsetof(LightRecord, intensity) == 16);
@@ -45,6 +50,7 @@ struct LightTable {
     Frame frame;
     std::vector<LightRecord> records;
     std::vector<std::uint32_t> lit;  ///< indices of the lights of intensity > 0, ascending
+    bool has_glossy = false;         ///< among them
 };
 
 /// Throws Error that names the first light and field that is not as Light documents.

@@ -1,6 +1,8 @@
 #include <lightcull/error.h>
 #include <lightcull/samplers.h>
 
+#include <algorithm>
+
 #include "base/description.h"
 #include "lights/set_count.h"
 
@@ -23,6 +25,11 @@ std::unique_ptr<LightSampler> make_culled(Description& description, Span<const L
     CulledOptions options;
     take_range_options(description, context, options.range);
     options.set_count = suitable_set_count(lights.size(), context.points_per_pass);
+    const bool has_glossy = std::any_of(lights.begin(), lights.end(),
+                                        [](const Light& light) { return light.lobe_alpha > 0.0f; });
+    // Their sets have spheres of their own, not radii alone: ten times the memory and time.
+    constexpr std::uint32_t kSetsOfGlossy = 16;
+    if (has_glossy) options.set_count = std::min(options.set_count, kSetsOfGlossy);
     description.take_number("sets", options.set_count);
     std::uint32_t group_size = 0;
     if (description.take_number("group", group_size)) options.group_size = group_size;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/random.h"
+#include "lights/directed_light.h"
 #include "lights/importance.h"
 #include "lights/ranges.h"
 
@@ -77,10 +78,9 @@ std::vector<float> sorted_thresholds(const RangedScene& scene,
     thresholds.reserve(sample.size() * points.size());
     for (const LightBvhPoint& point : points) {
         for (const std::size_t i : sample) {
-            if (!scene.reaches(i, point)) continue;
-            const RangedLight& light = scene.lights[i];
-            const float distance = light.distance(approach(point.position, light.center));
-            thresholds.push_back(distance * distance / light.intensity);
+            const float distance = scene.distance(i, point);
+            if (distance == RangedScene::kOutOfReach) continue;
+            thresholds.push_back(distance * distance / scene.lights[i].intensity);
         }
     }
     std::sort(thresholds.begin(), thresholds.end());
@@ -108,6 +108,22 @@ class ExpectedCount {
     std::vector<float> thresholds_;
     std::vector<double> inverse_sums_;
 };
+
+/// distance: of a record, along a way to it.
+template <typename Distance>
+RangedScene scene_of(const LightTable& table, const Distance& distance) {
+    RangedScene scene{table.frame, {}, [&table, distance](std::size_t i, const LightBvhPoint& x) {
+                          const LightRecord& light = table.records[table.lit[i]];
+                          const Approach way = approach(x.position, light.center);
+                          const bool reaches = importance(light, way, Receiver(x.normal)) > 0.0f;
+                          return reaches ? distance(light, way) : RangedScene::kOutOfReach;
+                      }};
+    for (const std::uint32_t i : table.lit) {
+        const LightRecord& light = table.records[i];
+        scene.lights.push_back({light.center, light.radius, light.intensity});
+    }
+    return scene;
+}
 
 double reach_of_expected_count(const RangedScene& scene, const RangeOptions& options,
                                RangeLaw law) {
@@ -158,22 +174,23 @@ void check_range_options(const RangeOptions& options) {
 }
 
 RangedScene ranged_scene(const LightTable& table) {
-    RangedScene scene{table.frame, {}, [&table](std::size_t i, const LightBvhPoint& point) {
-                          const LightRecord& light = table.records[table.lit[i]];
-                          const Approach way = approach(point.position, light.center);
-                          return importance(light, way, Receiver(point.normal)) > 0.0f;
-                      }};
-    for (const std::uint32_t i : table.lit) {
-        const LightRecord& light = table.records[i];
-        scene.lights.push_back({light.center, light.radius, light.intensity});
-    }
-    return scene;
+    return scene_of(table, [](const LightRecord& light, const Approach& way) {
+        return std::max(way.distance - light.radius, 0.0f);
+    });
+}
+
+RangedScene directed_scene(const LightTable& table) {
+    return scene_of(table, [](const LightRecord& light, const Approach& way) {
+        return DirectedLight(light).distance(way);
+    });
 }
 
 RangedScene ranged_scene(const LightGroups& groups, const Frame& frame) {
     return {frame, groups.ranged(), [&groups](std::size_t i, const LightBvhPoint& point) {
                 const LightGroup& group = groups.groups[i];
-                return importance(group, point) > 0.0f;
+                if (!(importance(group, point) > 0.0f)) return RangedScene::kOutOfReach;
+                const Approach way = approach(point.position, group.position());
+                return std::max(way.distance - group.radius[0], 0.0f);
             }};
 }
 

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <limits>
 #include <vector>
 
 #include "lights/light_groups.h"
@@ -16,12 +17,16 @@ namespace lightcull {
 struct RangedScene {
     const Frame& frame;
     std::vector<RangedLight> lights;  ///< of intensity above 0
-    /// Whether anything of an element of `lights` can reach a point.
-    std::function<bool(std::size_t, const LightBvhPoint&)> reaches;
+    /// From a point to an element of `lights`, as its p takes it; infinite where nothing of it can
+    /// reach the point.
+    std::function<float(std::size_t, const LightBvhPoint&)> distance;
+    static constexpr float kOutOfReach = std::numeric_limits<float>::infinity();
 };
 
 /// What it refers to must outlive it.
 RangedScene ranged_scene(const LightTable& table);
+/// With the distances that DirectedLight has.
+RangedScene directed_scene(const LightTable& table);
 RangedScene ranged_scene(const LightGroups& groups, const Frame& frame);
 
 /// Throws Error for options that make no sense.

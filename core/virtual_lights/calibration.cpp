@@ -21,7 +21,8 @@ float calibrate_reach(const std::vector<VirtualLight>& lights, const VirtualLigh
                       const Scene& scene, const RenderSettings& settings) {
     const Frame metres;
     RangedScene ranged{metres, {}, [&](std::size_t i, const LightBvhPoint& point) {
-                           return reaches(lights[i], point);
+                           if (!reaches(lights[i], point)) return RangedScene::kOutOfReach;
+                           return (lights[i].position - to_v3f(point.position)).length();
                        }};
     ranged.lights.reserve(lights.size());
     for (const VirtualLight& light : lights) {

@@ -15,6 +15,7 @@ namespace lightcull {
 /// | flat, one-sided      | normal    | 1           | 0           |
 /// | point, sphere        | any       | -1          | 0           |
 /// | spot                 | direction | cos(inner)  | cos(outer - inner) |
+/// | glossy point         | direction | -1          | 0           |
 struct Light {
     float3 center;              ///< centre of the bounding sphere, metres
     float radius = 0.0f;        ///< radius of the bounding sphere, metres, >= 0
@@ -24,6 +25,8 @@ struct Light {
     float intensity = 0.0f;     ///< peak radiant intensity, W/sr, luminance-weighted, >= 0:
                                 ///< Lbar_i A_i of [TH16] Eq. 7, max I_i of Eq. 6
     bool two_sided = false;     ///< emits about -axis as it does about axis
+    float lobe_alpha = 0.0f;    ///< 0, or of a glossy point its alpha, [1e-3, 1]: see
+                                ///< glossy_point_light()
 };
 
 /// A triangle that emits `radiance` (mean over its area, luminance, W/(m^2 sr)) on the side from
@@ -38,6 +41,16 @@ Light point_light(float3 position, float intensity) noexcept;
 /// 0) and less and less to nothing at `outer`; radians, 0 <= inner <= outer <= pi.
 Light spot_light(float3 position, float3 direction, float intensity, float inner,
                  float outer) noexcept;
+
+/// A point that emits with the cosine to `normal` (unit length), `intensity` (luminance, W/sr)
+/// along it and nothing behind it: a diffuse virtual light.
+Light diffuse_point_light(float3 position, float3 normal, float intensity) noexcept;
+
+/// A point that emits `intensity` (luminance, W/sr) into `direction` (unit length) and less about
+/// it, as GGX's D of `alpha` falls with half the angle h to it: by the square of
+/// 1 + (1 / alpha^2 - 1) sin^2 h. That bounds what a glossy virtual light emits ([TH17] Eqs. 9 to
+/// 12).
+Light glossy_point_light(float3 position, float3 direction, float intensity, float alpha) noexcept;
 
 /// A light of which only a box (metres), a cone of directions and the radiant power (luminance, W)
 /// are known. The cone is that of Light.

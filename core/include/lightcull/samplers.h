@@ -58,10 +58,15 @@ struct RangeOptions {
 /// rotated sets; and lights that lie together share a range as a group, of which one is then chosen
 /// down a light BVH (ClusterImportance::kMeans). Measured on the example scenes, groups leave up to
 /// an eighth more error than single lights with as many of them accepted, for a third of the nodes.
+///
+/// Where any light is a glossy point, each light has a range of its own, and that of a glossy or
+/// diffuse point depends on the direction ([TH17] Eqs. 2 to 5): it is accepted within a spheroid
+/// with the light in one focus, or an egg above its surface.
 struct CulledOptions {
     RangeOptions range;
     std::uint32_t set_count = 64;  ///< a power of 4, at most 4096
-    /// Most lights in a group, >= 1; 1 is the paper. None: a 400th of them, at most 128.
+    /// Most lights in a group, >= 1; 1 is the paper, and all there is with glossy points. None: a
+    /// 400th of them, at most 128.
     std::optional<std::uint32_t> group_size;
 };
 std::unique_ptr<LightSampler> make_culled_sampler(Span<const Light> lights,
