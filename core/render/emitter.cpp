@@ -5,6 +5,7 @@
 #include "render/texture.h"
 #include "render/warp.h"
 
+#include <algorithm>
 #include <cmath>
 #include <variant>
 
@@ -39,6 +40,17 @@ struct Sampler {
         return s;
     }
 
+    EmitterSample operator()(const VirtualEmitter& emitter) const noexcept {
+        const VirtualLight& light = scene.virtual_lights[emitter.index];
+        const V3f to_place = light.position - from;
+        const float distance2 = to_place.dot(to_place);
+        if (!(distance2 > 0.0f)) return {};
+        const V3f direction = to_place / std::sqrt(distance2);
+        const V3f sent = intensity(light, -direction);
+        return {light.position, direction, sent / std::max(distance2, scene.virtual_nearest2), 1.0f,
+                true};
+    }
+
     EmitterSample from_point(const V3f& position, const V3f& intensity) const noexcept {
         const V3f to_place = position - from;
         const float distance2 = to_place.dot(to_place);
@@ -63,7 +75,8 @@ EmitterSample sample_emitter(const Scene::Impl& scene, const Emitter& emitter, c
     const Sampler sample{scene, from, u};
     if (const auto* triangle = std::get_if<TriangleEmitter>(&emitter)) return sample(*triangle);
     if (const auto* point = std::get_if<PointEmitter>(&emitter)) return sample(*point);
-    return sample(*std::get_if<SpotEmitter>(&emitter));
+    if (const auto* spot = std::get_if<SpotEmitter>(&emitter)) return sample(*spot);
+    return sample(*std::get_if<VirtualEmitter>(&emitter));
 }
 
 float spot_falloff(const SpotEmitter& emitter, float cosine) noexcept {

@@ -31,14 +31,19 @@ struct SpotEmitter {
     float cos_inner, cos_outer;
 };
 
-using Emitter = std::variant<TriangleEmitter, PointEmitter, SpotEmitter>;
+/// One of Scene::Impl::virtual_lights, which are larger than other emitters.
+struct VirtualEmitter {
+    std::uint32_t index;
+};
+
+using Emitter = std::variant<TriangleEmitter, PointEmitter, SpotEmitter, VirtualEmitter>;
 
 /// A place on an emitter, seen from a surface.
 struct EmitterSample {
     V3f place{0.0f};      ///< what a shadow ray must reach
     V3f direction{0.0f};  ///< towards it, unit length
-    V3f radiance{0.0f};   ///< for points and spots what falls on a surface that faces them
-    float pdf = 0.0f;     ///< per solid angle; 1 for points and spots, 0 if it emits nothing here
+    V3f radiance{0.0f};   ///< of all but triangles what falls on a surface that faces them
+    float pdf = 0.0f;     ///< per solid angle; 1 for all but triangles, 0 if it emits nothing here
     bool is_delta = false;
 };
 

@@ -17,6 +17,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <string>
 #include <utility>
 
 namespace lightcull {
@@ -138,6 +139,11 @@ Renderer::Renderer(std::shared_ptr<const Scene> scene, const RenderSettings& set
     if (sampler == nullptr) throw Error("renderer: there is no sampler");
     check_committed(*scene);
     check_settings(settings);
+    if (settings.max_depth > 2 && !scene->impl().virtual_lights.empty()) {
+        throw Error(
+            "renderer: max_depth is " + std::to_string(settings.max_depth) +
+            ", and the scene has virtual lights, which are all that bounces: wanted 1 or 2");
+    }
     impl_ = std::make_unique<Impl>(std::move(scene), settings, std::move(sampler));
 }
 

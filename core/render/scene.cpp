@@ -260,7 +260,7 @@ SceneMemory Scene::memory_size() const noexcept {
     SceneMemory memory;
     memory.data = size_of(s.materials) + size_of(s.meshes) + size_of(s.triangles) +
                   size_of(s.indices) + size_of(s.positions) + size_of(s.normals) + size_of(s.uvs) +
-                  size_of(s.emitters) + size_of(s.lights);
+                  size_of(s.emitters) + size_of(s.lights) + size_of(s.virtual_lights);
     for (const Texture& texture : s.textures) memory.data += size_of(texture.texels);
     if (s.environment) memory.data += s.environment->memory_size();
     if (s.ray_tracer) memory.bvh = s.ray_tracer->memory_size();

@@ -4,6 +4,7 @@
 #include "render/environment.h"
 #include "render/ray_tracer.h"
 #include "render/vec.h"
+#include "render/virtual_light.h"
 
 #include <lightcull/light.h>
 #include <lightcull/render/scene.h>
@@ -41,6 +42,8 @@ struct Scene::Impl {
 
     std::vector<Emitter> emitters;
     std::vector<Light> lights;  ///< of emitters, one each
+    std::vector<VirtualLight> virtual_lights;
+    float virtual_nearest2 = 0.0f;  ///< a distance, squared, within which these fall off no more
 
     std::optional<EnvironmentMap> environment;
     Camera camera;

@@ -37,6 +37,10 @@ Spheroid offset_sphere(const VirtualLight& light, float range) noexcept {
 
 }  // namespace
 
+V3f mirrored(const VirtualLight& light) noexcept {
+    return light.normal * (2.0f * light.normal.dot(light.incoming)) - light.incoming;
+}
+
 float intensity_bound(const VirtualLight& light) noexcept {
     if (light.lobe != Lobe::kGlossy) return luminance(light.strength);
     return lobe_bound(light) * ggx(0.0f, 1.0f, light.alpha);
@@ -51,11 +55,10 @@ Spheroid bounding_volume(const VirtualLight& light, float scale, BoundingVolume 
 
     // [TH17] Eqs. 12 to 15: its r is alpha times the largest range.
     const float a2 = light.alpha * light.alpha;
-    const V3f mirrored = light.normal * (2.0f * light.normal.dot(light.incoming)) - light.incoming;
+    const V3f axis = mirrored(light);
     const float half_length = 0.5f * (1.0f + a2) * range * kEndMargin;
     const float radius = kind == BoundingVolume::kSpheroid ? light.alpha * range : half_length;
-    return {light.position + mirrored * (0.5f * (1.0f - a2) * range), mirrored, half_length,
-            radius};
+    return {light.position + axis * (0.5f * (1.0f - a2) * range), axis, half_length, radius};
 }
 
 }  // namespace lightcull

@@ -15,6 +15,9 @@ struct Spheroid {
     float radius;       ///< across it, metres; half_length at most
 };
 
+/// Where a perfect mirror in place of the light's surface would send the light.
+V3f mirrored(const VirtualLight& light) noexcept;
+
 /// No direction gets more, W/sr by luminance.
 float intensity_bound(const VirtualLight& light) noexcept;
 

@@ -1,54 +1,14 @@
 #pragma once
 
-#include "render/ggx.h"
 #include "render/surface.h"
-#include "render/vec.h"
+#include "render/virtual_light.h"
 
-#include <cstdint>
 #include <vector>
 
 namespace lightcull {
 
-/// Which part of a surface's BSDF a virtual light sends light out by. A glossy surface gives two
-/// lights: [TH17] culls diffuse and glossy ones by volumes of their own.
-enum class Lobe : std::uint32_t {
-    kDiffuse,     ///< Lambert
-    kUnderGloss,  ///< Lambert under a specular layer: what that does not reflect
-    kGlossy,      ///< GGX
-};
-
-/// A point of a surface that light has come to and leaves again ([TH17] Eq. 4).
-struct VirtualLight {
-    V3f position;  ///< where shadow rays end: just off the surface
-    V3f normal;    ///< unit length, on the lit side
-    V3f incoming;  ///< unit length, towards where the light comes from
-    V3f strength;  ///< W/sr: the flux that has come, times what of the lobe does not depend on the
-                   ///< outgoing direction (albedo / pi, or Smith's masking)
-    V3f f0;        ///< of lobes with a specular layer: its reflectance at normal incidence
-    float alpha;   ///< of kGlossy: GGX's, (0, 1]
-    Lobe lobe;
-};
-
 /// What `flux` (W) makes of a surface that it meets: none, one or two lights, appended to `lights`.
 void add_virtual_lights(const Surface& surface, const V3f& incoming, const V3f& flux,
                         std::vector<VirtualLight>& lights);
-
-/// Radiant intensity into a direction (unit length): [TH17] Eqs. 4 and 6. 0 below the surface.
-inline V3f intensity(const VirtualLight& light, const V3f& outgoing) noexcept {
-    const float cosine = light.normal.dot(outgoing);
-    if (!(cosine > 0.0f)) return V3f(0.0f);
-    if (light.lobe == Lobe::kDiffuse) return light.strength * cosine;
-
-    const V3f sum = light.incoming + outgoing;
-    const V3f half = unit(sum);
-    const V3f reflected = schlick(light.f0, outgoing.dot(half));
-    if (light.lobe == Lobe::kUnderGloss) return light.strength * (V3f(1.0f) - reflected) * cosine;
-
-    const V3f across = half.cross(light.normal);
-    const float half_cosine = half.dot(light.normal);
-    const float density = ggx(across.dot(across), half_cosine * half_cosine, light.alpha);
-    return light.strength * reflected *
-           (density * masking_over_two_cosines(cosine, light.alpha) * cosine);
-}
 
 }  // namespace lightcull

@@ -10,6 +10,7 @@
 #include "virtual_lights/grid_lighting.h"
 #include "virtual_lights/light_paths.h"
 #include "virtual_lights/point_cloud.h"
+#include "virtual_lights/scene_checks.h"
 #include "virtual_lights/stopwatch.h"
 #include "virtual_lights/tiled_lighting.h"
 
@@ -43,17 +44,6 @@ void check_depth(const RenderSettings& settings) {
     if (settings.max_depth < 3 || settings.max_depth > 5) {
         throw Error("virtual lights: max_depth is " + std::to_string(settings.max_depth) +
                     ", wanted 3 to 5: one to three bounces");
-    }
-}
-
-void check_materials(const Scene::Impl& scene) {
-    for (std::size_t i = 0; i < scene.materials.size(); ++i) {
-        const Material& m = scene.materials[i];
-        if (m.kind == MaterialKind::kMetallicRoughness && m.roughness == 0.0f) {
-            throw Error("virtual lights: material " + std::to_string(i) +
-                        " has roughness 0: a perfect mirror sends light to single points, which "
-                        "virtual lights cannot");
-        }
     }
 }
 
@@ -216,7 +206,7 @@ VirtualLightRenderer::VirtualLightRenderer(std::shared_ptr<const Scene> scene,
                                            std::unique_ptr<LightSampler> sampler) {
     if (scene == nullptr) throw Error("renderer: there is no scene");
     check_depth(settings);
-    check_materials(scene->impl());
+    check_for_virtual_lights(scene->impl());
     impl_ = std::make_unique<Impl>(std::move(scene), settings, options, std::move(sampler));
 }
 

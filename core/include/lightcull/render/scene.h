@@ -111,9 +111,10 @@ class Scene {
     const Camera& camera() const noexcept;
     SceneMemory memory_size() const noexcept;
 
-    /// For core/render itself.
+    /// For core/render itself, and for add_virtual_lights().
     struct Impl;
     const Impl& impl() const noexcept { return *impl_; }
+    Impl& impl() noexcept { return *impl_; }
 
   private:
     std::unique_ptr<Impl> impl_;
