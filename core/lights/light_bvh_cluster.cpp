@@ -95,9 +95,8 @@ LightCluster cluster_of(const LightRecord& light) noexcept {
     if (const float norm = length(axis); norm > 0.0f) cone.axis = axis * (1.0f / norm);
     cone.set_theta_o(
         std::acos(std::max(-1.0f, static_cast<float>(light.cos_theta_o) * LightRecord::kSnorm)));
-    cone.theta_e = light.is_glossy()
-                       ? 0.5f * kPi
-                       : std::acos(static_cast<float>(light.cos_theta_e) * LightRecord::kSnorm);
+    const float cos_theta_e = static_cast<float>(light.cos_theta_e) * LightRecord::kSnorm;
+    cone.theta_e = std::acos(std::max(0.0f, cos_theta_e));
     cone.two_sided = light.two_sided != 0;
 
     result.intensity = light.intensity;

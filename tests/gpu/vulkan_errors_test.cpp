@@ -25,6 +25,12 @@ TEST_CASE("set-up says in one line what is at fault") {
           }) == "Vulkan: of the samplers, only culled and paper (with a list) run on a device");
     CHECK(error_of([] { make_vulkan_sampler(make_sampler("power", mixed_lights(9, 75))); }) ==
           "Vulkan: of the samplers, only culled and paper (with a list) run on a device");
+    std::vector<Light> lights = mixed_lights(9, 75);
+    lights.push_back(glossy_point_light({0, 0, 0}, {0, 1, 0}, 1.0f, 0.1f));
+    for (const char* glossy : {"culled", "paper"}) {
+        CHECK(error_of([&] { make_vulkan_sampler(make_sampler(glossy, lights)); }) ==
+              "Vulkan: there are glossy points among the lights, which no device chooses");
+    }
     VulkanOptions options;
     options.device = "no such";
     CHECK(error_of([&] {

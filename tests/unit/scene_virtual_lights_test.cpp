@@ -19,13 +19,11 @@ using statistics::Estimate;
 
 namespace {
 
-/// A floor and a wall, a ball of metal of some roughness, and a lamp over it.
-std::shared_ptr<Scene> corner(float roughness) {
+/// A floor and a wall, a ball of some material, and a lamp over it.
+std::shared_ptr<Scene> corner(const Material& of_ball) {
     auto scene = std::make_shared<Scene>();
     scene->add_material(diffuse(0.6f));
-    Material gloss = metal(roughness, 0.8f);
-    gloss.metallic = 0.5f;
-    scene->add_material(gloss);
+    scene->add_material(of_ball);
     Shape room, ball, lamp;
     room.add_level_square({0, 0, 0}, 2.0f, true);
     room.add_quad({-2, 0, -2}, {2, 0, -2}, {2, 3, -2}, {-2, 3, -2});
@@ -36,6 +34,17 @@ std::shared_ptr<Scene> corner(float roughness) {
     scene->add_mesh(lamp.mesh("lamp", 0, emission(20.0f)));
     scene->set_camera(look({4, 2.5f, 5}, {0, 0.8f, 0}, 0.7f));
     return scene;
+}
+
+/// The ball is half of metal.
+std::shared_ptr<Scene> corner(float roughness) {
+    Material gloss = metal(roughness, 0.8f);
+    gloss.metallic = 0.5f;
+    return corner(gloss);
+}
+
+bool is_glossy(const Light& light) {
+    return light.lobe_alpha > 0.0f;
 }
 
 constexpr std::uint32_t kEdge = 32, kBlock = 8;
@@ -56,7 +65,6 @@ TEST_CASE("over virtual lights culled gives the mean of exhaustive, from sharp t
         const auto scene = corner(roughness);
         add_virtual_lights(*scene, 600, 1);
         scene->commit();
-        const auto is_glossy = [](const Light& light) { return light.lobe_alpha > 0.0f; };
         const Span<const Light> lights = scene->lights();
         CHECK(std::count_if(lights.begin(), lights.end(), is_glossy) > 20);
         CHECK(lights.size() > 300);
@@ -69,6 +77,18 @@ TEST_CASE("over virtual lights culled gives the mean of exhaustive, from sharp t
         // The test sees what is too dark.
         CHECK(statistics::worst_p(blocks(scene, "clamped:accepted=8", 302), exact) <
               statistics::least_p());
+    }
+}
+
+TEST_CASE("over diffuse virtual lights alone culled, in groups, gives the mean of exhaustive") {
+    const auto scene = corner(diffuse(0.7f));
+    add_virtual_lights(*scene, 600, 2);
+    scene->commit();
+    CHECK(std::none_of(scene->lights().begin(), scene->lights().end(), is_glossy));
+    const std::vector<Estimate> exact = blocks(scene, "exhaustive", 300);
+    for (const char* sampler : {"culled:accepted=4:group=20", "culled:accepted=8:group=1"}) {
+        CAPTURE(sampler);
+        CHECK(statistics::worst_p(blocks(scene, sampler, 301), exact) > statistics::least_p());
     }
 }
 
