@@ -16,7 +16,8 @@ class LightSampler:
     lights: a `Scene`, or lights as `triangle_lights`, `point_lights` or `Scene.lights` give them:
     (N,) of dtype `lightcull.LIGHT`, whose fields are center (3), radius, axis (3; unit length),
     cos_theta_o (of the cone of normals about the axis), cos_theta_e (of the largest angle to a
-    normal at which it emits), intensity (W/sr, luminance) and two_sided.
+    normal at which it emits), intensity (W/sr, luminance), two_sided and lobe_alpha (0; or of a
+    point that emits most into `axis` GGX's alpha, 0.001 to 1, its cos_theta_o being -1).
     description: a name, then options, as in "culled", "culled:sets=16", "clamped:error_bound=0.05".
     The names are `lightcull.SAMPLERS`.
     calibration: positions and normals of some hundred points typical of the use, to set the ranges

@@ -65,6 +65,7 @@ class Scene:
         self._default_materials: dict[float, int] = {}
         self._bounds: np.ndarray | None = None
         self._counts = {"meshes": 0, "materials": 0, "textures": 0, "points": 0, "spots": 0}
+        self._counts["virtual lights"] = 0
 
     @classmethod
     def from_mitsuba(cls, scene: Any, name: str = "scene") -> Scene:
@@ -193,6 +194,26 @@ class Scene:
         self._note("spot", *parameters)
         self._counts["spots"] += 1
 
+    def add_virtual_lights(self, light_paths: int, bounces: int = 1, seed: int = 0) -> None:
+        """Adds virtual lights to what samplers choose from: lights where paths from the emitters
+        and the environment meet surfaces. Last of all: light paths know what was added before.
+
+        A render with a max_depth of 2 then has what bounces, up to `bounces` times (1 to 3), with
+        the error that so few places of it have: near them their light is bounded, and the same ones
+        light every sample. light_paths: 1 to 2^24; each gives a light or, on glossy surfaces, two
+        for each bounce. Not with a method other than "path", nor with perfect mirrors.
+        """
+        parameters = (
+            checks.whole_number("light_paths", light_paths),
+            checks.whole_number("bounces", bounces),
+            checks.whole_number("seed", seed, most=checks.MOST_64_BITS),
+        )
+        with self._lock:
+            before = self._core.light_count()
+            _core.add_virtual_lights(self._core, *parameters)
+            self._counts["virtual lights"] += self._core.light_count() - before
+        self._note("virtual lights", *parameters)
+
     def set_environment(
         self,
         map_or_rgb: TextureSource | Vector,
@@ -257,7 +278,7 @@ class Scene:
 
     @property
     def counts(self) -> dict[str, int]:
-        """How many meshes, materials, textures, points and spots were added."""
+        """How many meshes, materials, textures, points, spots and virtual lights were added."""
         return dict(self._counts)
 
     def lights(self) -> np.ndarray:

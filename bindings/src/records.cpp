@@ -49,6 +49,7 @@ py::object light_dtype() {
         .floats("cos_theta_e", offsetof(Light, cos_theta_e))
         .floats("intensity", offsetof(Light, intensity))
         .bools("two_sided", offsetof(Light, two_sided))
+        .floats("lobe_alpha", offsetof(Light, lobe_alpha))
         .dtype(sizeof(Light));
 }
 

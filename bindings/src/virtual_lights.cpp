@@ -1,3 +1,4 @@
+#include <lightcull/virtual_lights/scene_virtual_lights.h>
 #include <lightcull/virtual_lights/virtual_light_renderer.h>
 
 #include "interruptible.h"
@@ -82,6 +83,8 @@ void bind_virtual_lights(py::module_& module) {
         "check_virtual_light_method",
         [](const std::string& method) { parse_virtual_light_method(method); },
         "Throws Error for a description that VirtualLightRenderer does not take.");
+    module.def("add_virtual_lights", &add_virtual_lights, py::arg("scene"), py::arg("light_paths"),
+               py::arg("bounces"), py::arg("seed"), py::call_guard<py::gil_scoped_release>());
 }
 
 }  // namespace lightcull::python

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import lightcull
-from conftest import Outcome, make_room
+from conftest import QUAD, Outcome, make_room
 
 SIZE = (32, 24)
 FEW = ":lights=2000:filter=off"
@@ -104,3 +104,66 @@ def test_a_scene_without_light_is_black() -> None:
     with pytest.warns(UserWarning, match="the image is black"):
         result = lightcull.render(scene, method="vpl_culled", max_depth=3, spp=1, size=SIZE)
     assert not result.image.any()
+
+
+def glossy_room() -> lightcull.Scene:
+    """The room, with a floor of rough metal."""
+    scene = make_room()
+    metal = scene.add_material(
+        kind="metallic_roughness", base_color=(0.8, 0.8, 0.8), metallic=0.5, roughness=0.5
+    )
+    floor = np.float32([[-2, 0.1, -2], [-2, 0.1, 2], [2, 0.1, 2], [2, 0.1, -2]])
+    wall = np.float32([[-2, 0, -2.5], [2, 0, -2.5], [2, 3, -2.5], [-2, 3, -2.5]])
+    scene.add_mesh(floor, QUAD, material=metal, name="metal")
+    scene.add_mesh(wall, QUAD, name="wall")
+    return scene
+
+
+def test_samplers_choose_among_virtual_lights_of_a_scene() -> None:
+    def mean(scene: lightcull.Scene, sampler: str, max_depth: int, spp: int) -> float:
+        result = lightcull.render(scene, sampler, max_depth=max_depth, spp=spp, size=SIZE)
+        return float(result.image.mean(dtype=np.float64))
+
+    direct, bounced = (mean(glossy_room(), "power", depth, 300) for depth in (2, 3))
+    means = []
+    for seed in range(6):
+        scene = glossy_room()
+        before = len(glossy_room().lights())
+        scene.add_virtual_lights(2000, seed=seed)
+        lights = scene.lights()
+        assert scene.counts["virtual lights"] == len(lights) - before > 1000
+        assert np.count_nonzero(lights["lobe_alpha"] == np.float32(0.25)) > 100
+        means.append(mean(scene, "culled", 2, 40))
+    assert bounced > 1.05 * direct
+    assert np.mean(means) - direct == pytest.approx(bounced - direct, rel=0.1)
+
+
+def test_virtual_lights_of_a_scene_from_the_command_line(main_here: Callable[..., Outcome]) -> None:
+    options = ("--spp", "1", "--size", "16x12", "-o", "a.exr")
+    outcome = main_here("render", "cornell", "--virtual-lights", "500", *options)
+    assert outcome.returncode == 0, outcome.stderr
+    outcome = main_here("info", "cornell", "--virtual-lights", "500")
+    assert " virtual lights" in outcome.stdout
+    for refused, says in (
+        (("--method", "vpl_culled"), "the scene has some among its lights already"),
+        (("--max-depth", "3"), "max_depth is 3, and the scene has virtual lights"),
+        (("--virtual-lights", "16777217"), "light_paths is 16777217, wanted 1 to 16777216"),
+        (("--virtual-lights", "0"), "wanted a whole number from 1 up"),
+    ):
+        outcome = main_here("render", "cornell", "--virtual-lights", "5", *options, *refused)
+        assert outcome.returncode != 0
+        assert says in outcome.stderr
+    outcome = main_here("render", "room.xml", "--virtual-lights", "5")
+    assert "--virtual-lights is not for a scene of Mitsuba's" in outcome.stderr
+
+
+def test_virtual_lights_are_part_of_what_a_scene_is_known_by() -> None:
+    plain, few, others = make_room(), make_room(), make_room()
+    few.add_virtual_lights(10)
+    others.add_virtual_lights(10, seed=1)
+    assert len({plain.digest(), few.digest(), others.digest()}) == 3
+    with pytest.raises(lightcull.Error, match="bounces is 4, wanted 1 to 3"):
+        make_room().add_virtual_lights(10, bounces=4)
+    with pytest.raises(lightcull.Error, match="nothing can be changed after commit"):
+        plain.lights()
+        plain.add_virtual_lights(10)

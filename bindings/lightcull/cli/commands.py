@@ -82,14 +82,23 @@ def _open(options: argparse.Namespace) -> Scene | MitsubaScene:
         options.size = options.size or _SIZE
         bounces = getattr(options, "method", PATH) != PATH or getattr(options, "methods", None)
         options.max_depth = options.max_depth or (_BOUNCED_DEPTH if bounces else _MAX_DEPTH)
-        return open_scene(options.scene)
+        return _open_ours(options)
     if not is_xml:
         raise Error(f"{options.scene}: --host mitsuba is for an .xml scene of Mitsuba's")
+    if options.virtual_lights is not None:
+        raise Error(f"{options.scene}: --virtual-lights is not for a scene of Mitsuba's")
     from ..mitsuba.scene import depth_of_file, load_file
 
     scene = load_file(options.scene, options.variant)
     options.size = options.size or scene.size
     options.max_depth = options.max_depth or depth_of_file(options.scene)
+    return scene
+
+
+def _open_ours(options: argparse.Namespace) -> Scene:
+    scene = open_scene(options.scene)
+    if options.virtual_lights is not None:
+        scene.add_virtual_lights(options.virtual_lights)
     return scene
 
 
@@ -183,7 +192,7 @@ def _results(report: dict[str, Any]) -> Table:
 def _info(options: argparse.Namespace, arguments: Sequence[str], messages: Console) -> bool:
     settings = RenderSettings(options.size or _SIZE, options.max_depth or _MAX_DEPTH, 0, 0)
     with _warnings_to(messages):
-        scene = open_scene(options.scene)
+        scene = _open_ours(options)
     # Before anything else takes memory that a render does not.
     need = memory.of_render(RenderJob(scene, options.sampler, settings), settings.size)
     table = Table(show_header=False, box=None)
@@ -226,14 +235,15 @@ def _memory(need: memory.Need, sampler: str, settings: RenderSettings) -> str:
 
 def _facts(scene: Scene) -> Iterator[tuple[str, str]]:
     lights, counts, bounds = scene.lights(), scene.counts, scene.bounds
-    triangles = len(lights) - counts["points"] - counts["spots"]
+    triangles = len(lights) - counts["points"] - counts["spots"] - counts["virtual lights"]
     yield "scene", scene.name
     yield "triangles", f"{scene.triangle_count:,} in {counts['meshes']:,} meshes"
     yield "materials", f"{counts['materials']:,}, textures {counts['textures']:,}"
     yield (
         "lights",
         f"{len(lights):,}: {triangles:,} triangles, {counts['points']:,} points, "
-        f"{counts['spots']:,} spots",
+        f"{counts['spots']:,} spots"
+        + (f", {counts['virtual lights']:,} virtual lights" if counts["virtual lights"] else ""),
     )
     strong = lights["intensity"][lights["intensity"] > 0]
     if len(strong):

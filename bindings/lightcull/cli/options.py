@@ -97,6 +97,11 @@ def make_parser() -> argparse.ArgumentParser:
 
 def _add_scene(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("scene", metavar="SCENE", help="file or name of an example")
+    parser.add_argument(
+        "--virtual-lights", type=_from_one, metavar="N",
+        help="add virtual lights to the scene's: where N light paths meet surfaces for the first "
+        "time. Not for an .xml",
+    )  # fmt: skip
 
 
 def _add_sampler(parser: argparse.ArgumentParser) -> None:

@@ -47,6 +47,7 @@ examples:
   lightcull render room.glb -o room.exr --max-depth 6 --spp 256
   lightcull render cornell -o a.exr --sampler uniform --spp 16 --seed 7
   lightcull render cornell -o b.exr --method vpl_culled:lights=16384 --spp 8
+  lightcull render cornell -o c.exr --virtual-lights 16384 --sampler culled
 
   lightcull render city -o city.exr --spp 4096 --checkpoint city.checkpoint
   lightcull render city -o city.exr --spp 4096 --resume city.checkpoint
