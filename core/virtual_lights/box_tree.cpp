@@ -7,7 +7,7 @@
 
 namespace lightcull {
 
-BoxTree::BoxTree(Span<const ViewBox> boxes) {
+BoxTree::BoxTree(Span<const AlignedBox> boxes) {
     constexpr std::size_t kBlock = 256;
     std::size_t size = boxes.size();
     while (size > 0) {
@@ -31,15 +31,15 @@ BoxTree::Node::Node() noexcept {
     }
 }
 
-void BoxTree::Node::set(std::size_t child, const ViewBox& box) noexcept {
+void BoxTree::Node::set(std::size_t child, const AlignedBox& box) noexcept {
     for (std::size_t axis = 0; axis < 3; ++axis) {
         low[axis][child] = box.low[static_cast<int>(axis)];
         high[axis][child] = box.high[static_cast<int>(axis)];
     }
 }
 
-ViewBox BoxTree::Node::bounds() const noexcept {
-    ViewBox box;
+AlignedBox BoxTree::Node::bounds() const noexcept {
+    AlignedBox box;
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const int i = static_cast<int>(axis);
         box.low[i] = *std::min_element(low[axis].begin(), low[axis].end());
@@ -48,12 +48,12 @@ ViewBox BoxTree::Node::bounds() const noexcept {
     return box;
 }
 
-std::uint32_t BoxTree::Node::overlaps(const FrustumPiece& piece) const noexcept {
+std::uint32_t BoxTree::Node::overlaps(const AlignedBox& box) const noexcept {
     std::array<int, kWidth> inside;
     inside.fill(1);
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        const float from = piece.low[static_cast<int>(axis)];
-        const float to = piece.high[static_cast<int>(axis)];
+        const float from = box.low[static_cast<int>(axis)];
+        const float to = box.high[static_cast<int>(axis)];
         for (std::size_t i = 0; i < kWidth; ++i) {
             inside[i] &=
                 static_cast<int>(low[axis][i] <= to) & static_cast<int>(high[axis][i] >= from);

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "virtual_lights/tile_bounds.h"
+#include "render/vec.h"
 
 #include <lightcull/span.h>
 
@@ -11,18 +11,23 @@
 
 namespace lightcull {
 
-/// Finds, of many boxes, those that may overlap a piece of a tile. 16 of them, in the order in
+/// A box with edges along the axes.
+struct AlignedBox {
+    V3f low{0.0f}, high{0.0f};
+};
+
+/// Finds, of many boxes, those that overlap another. 16 of them, in the order in
 /// which they are given, make a node, 16 nodes the next one; what is given near each other should
 /// lie near each other and be of a size.
 class BoxTree {
   public:
     BoxTree() = default;
-    explicit BoxTree(Span<const ViewBox> boxes);
+    explicit BoxTree(Span<const AlignedBox> boxes);
 
-    /// Calls visit(index) for the boxes that overlap the box of a piece, in their order.
+    /// Calls visit(index) for the boxes that overlap `with`, a finite one, in their order.
     template <typename Visit>
-    void for_overlapping(const FrustumPiece& piece, Visit&& visit) const {
-        if (!levels_.empty()) descend(levels_.size() - 1, 0, piece, visit);
+    void for_overlapping(const AlignedBox& with, Visit&& visit) const {
+        if (!levels_.empty()) descend(levels_.size() - 1, 0, with, visit);
     }
 
   private:
@@ -33,22 +38,21 @@ class BoxTree {
         std::array<std::array<float, kWidth>, 3> low, high;
 
         Node() noexcept;
-        void set(std::size_t child, const ViewBox& box) noexcept;
-        ViewBox bounds() const noexcept;
+        void set(std::size_t child, const AlignedBox& box) noexcept;
+        AlignedBox bounds() const noexcept;
         /// Bit by child.
-        std::uint32_t overlaps(const FrustumPiece& piece) const noexcept;
+        std::uint32_t overlaps(const AlignedBox& box) const noexcept;
     };
 
     template <typename Visit>
-    void descend(std::size_t level, std::size_t index, const FrustumPiece& piece,
-                 Visit& visit) const {
-        std::uint32_t children = levels_[level][index].overlaps(piece);
+    void descend(std::size_t level, std::size_t index, const AlignedBox& with, Visit& visit) const {
+        std::uint32_t children = levels_[level][index].overlaps(with);
         for (std::size_t child = index * kWidth; children != 0; ++child, children >>= 1) {
             if ((children & 1u) == 0) continue;
             if (level == 0) {
                 visit(static_cast<std::uint32_t>(child));
             } else {
-                descend(level - 1, child, piece, visit);
+                descend(level - 1, child, with, visit);
             }
         }
     }

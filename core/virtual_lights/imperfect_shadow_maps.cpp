@@ -23,8 +23,8 @@ V2f project(const V3f& direction) noexcept {
     return {kMiddle + direction.x * scale, kMiddle + direction.y * scale};
 }
 
-std::uint32_t texel(float t) noexcept {
-    return static_cast<std::uint32_t>(
+std::size_t texel(float t) noexcept {
+    return static_cast<std::size_t>(
         std::clamp(t, 0.0f, static_cast<float>(ImperfectShadowMaps::kEdge - 1)));
 }
 
@@ -47,8 +47,8 @@ class Map {
         const float angle = std::min(point.radius * std::sqrt(facing) / distance, 0.5f);
         const float reach = angle * 0.5f * ImperfectShadowMaps::kEdge / (1.0f + direction.z);
         const float depth = distance * (1.0f + kBias) + kBias * point.radius;
-        for (std::uint32_t y = texel(place.y - reach); y <= texel(place.y + reach); ++y) {
-            for (std::uint32_t x = texel(place.x - reach); x <= texel(place.x + reach); ++x) {
+        for (std::size_t y = texel(place.y - reach); y <= texel(place.y + reach); ++y) {
+            for (std::size_t x = texel(place.x - reach); x <= texel(place.x + reach); ++x) {
                 float& nearest = depths_[y * ImperfectShadowMaps::kEdge + x];
                 nearest = std::min(nearest, depth);
             }
@@ -70,22 +70,21 @@ bool casts(const CloudPoint& point, const VirtualLight& light, float range2) noe
 }  // namespace
 
 ImperfectShadowMaps::ImperfectShadowMaps(const std::vector<VirtualLight>& lights,
-                                         Span<const float> ranges, Span<const CloudPoint> cloud,
-                                         std::uint32_t per_map, std::uint64_t key)
-    : depths_(lights.size() * kTexels) {
+                                         Span<const float> ranges, const PointCloud& cloud,
+                                         std::uint64_t key)
+    : depths_(new float[lights.size() * kTexels]) {  // not set here: each map is where it is drawn
     std::vector<std::uint64_t> splatted(lights.size(), 0);
     for_each_block(lights.size(), 16, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
-            Map map(lights[i], depths_.data() + i * kTexels);
+            Map map(lights[i], depths_.get() + i * kTexels);
+            if (cloud.part_count() == 0) continue;
             const float range2 = ranges[i] * ranges[i];
-            std::size_t next = cloud.empty() ? 0 : hash(key, i) % cloud.size();
-            for (std::uint32_t k = 0; k < per_map && !cloud.empty(); ++k) {
-                const CloudPoint& point = cloud[next];
-                next = next + 1 == cloud.size() ? 0 : next + 1;
-                if (!casts(point, lights[i], range2)) continue;
+            const std::size_t part = hash(key, i) % cloud.part_count();
+            cloud.for_near(part, lights[i].position, ranges[i], [&](const CloudPoint& point) {
+                if (!casts(point, lights[i], range2)) return;
                 map.splat(point);
                 ++splatted[i];
-            }
+            });
         }
     });
     for (const std::uint64_t n : splatted) splatted_ += n;

@@ -6,6 +6,7 @@
 #include <lightcull/span.h>
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 namespace lightcull {
@@ -19,12 +20,12 @@ class ImperfectShadowMaps {
     /// More lights would take too much memory: 4 KB each.
     static constexpr std::size_t kMostLights = std::size_t{1} << 18;
 
-    /// Each map takes `per_map` points of the cloud from a random place on, and of them those that
-    /// Program 1 of [TH16] keeps: those that show the light their back (its own surface and those
-    /// that it lights would else be dark by their own points), lie above its surface, and within
-    /// its range, metres. Runs in the caller's TBB arena.
+    /// Each map takes a part of the cloud, drawn at random, and of it the points that Program 1 of
+    /// [TH16] keeps: those that show the light their back (its own surface and those that it lights
+    /// would else be dark by their own points), lie above its surface, and within its range,
+    /// metres. Runs in the caller's TBB arena.
     ImperfectShadowMaps(const std::vector<VirtualLight>& lights, Span<const float> ranges,
-                        Span<const CloudPoint> cloud, std::uint32_t per_map, std::uint64_t key);
+                        const PointCloud& cloud, std::uint64_t key);
 
     /// Whether anything in the map of light i lies before a place.
     bool occluded(std::size_t i, const VirtualLight& light, const V3f& place) const noexcept;
@@ -33,7 +34,7 @@ class ImperfectShadowMaps {
     std::uint64_t splatted() const noexcept { return splatted_; }
 
   private:
-    std::vector<float> depths_;  ///< [light][texel]: distance to the nearest point, metres
+    std::unique_ptr<float[]> depths_;  ///< [light][texel]: distance to the nearest point, metres
     std::uint64_t splatted_ = 0;
 };
 

@@ -80,7 +80,7 @@ void PreparedLights::list(std::uint32_t subset, const FrustumPiece& piece,
         for (std::size_t i = begin(subset); i < begin(subset + 1); ++i) list.push_back(listed(i));
         return;
     }
-    trees_[subset].for_overlapping(piece, [&](std::uint32_t k) {
+    trees_[subset].for_overlapping(piece.box(), [&](std::uint32_t k) {
         const std::size_t i = begin(subset) + k;
         if (volumes_[i].overlaps(piece)) list.push_back(listed(i));
     });

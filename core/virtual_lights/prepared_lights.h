@@ -36,7 +36,7 @@ class PreparedLights {
         return {lights_[i].position, farthest2_[i], static_cast<std::uint32_t>(i)};
     }
     /// Encloses where a light may count; only where there are ranges.
-    const ViewBox& box(std::size_t i) const noexcept { return boxes_[i]; }
+    const AlignedBox& box(std::size_t i) const noexcept { return boxes_[i]; }
     /// The number of the first light of a subset, or behind the last one's last.
     std::size_t begin(std::uint32_t subset) const noexcept { return begins_[subset]; }
 
@@ -53,7 +53,7 @@ class PreparedLights {
     std::vector<float> farthest2_;
     // Empty where all lights count everywhere:
     std::vector<VolumeInView> volumes_;
-    std::vector<ViewBox> boxes_;
+    std::vector<AlignedBox> boxes_;
     std::vector<BoxTree> trees_;  // by subset
 };
 

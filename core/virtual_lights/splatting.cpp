@@ -60,7 +60,7 @@ class Screen {
         all_ = {0, view.width, 0, view.height};
     }
 
-    Rectangle around(const ViewBox& box) const noexcept {
+    Rectangle around(const AlignedBox& box) const noexcept {
         if (!(box.high.z > 0.0f)) return {0, 0, 0, 0};
         if (!(box.low.z > 0.0f)) return all_;
         const auto least = [&](float t) { return t / (t < 0.0f ? box.low.z : box.high.z); };

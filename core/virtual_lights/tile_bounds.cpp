@@ -57,7 +57,7 @@ TileBounds::TileBounds(Span<const V3f> points) noexcept {
     for (const V3f& point : points) pieces_[cluster_of(point)].add(point);
 }
 
-ViewBox box_in_view(const Spheroid& spheroid, const CameraRays& camera) noexcept {
+AlignedBox box_in_view(const Spheroid& spheroid, const CameraRays& camera) noexcept {
     const V3f center = camera.to_view(spheroid.center - camera.origin());
     const V3f axis = camera.to_view(spheroid.axis);
     // A spheroid reaches as far along a direction as its half axes, seen along it, squared and

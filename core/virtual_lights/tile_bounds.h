@@ -3,6 +3,7 @@
 #include "render/camera.h"
 #include "render/vec.h"
 #include "virtual_lights/bounding_volume.h"
+#include "virtual_lights/box_tree.h"
 
 #include <lightcull/span.h>
 
@@ -17,6 +18,7 @@ struct FrustumPiece {
     bool empty = true;
 
     void add(const V3f& point) noexcept;
+    AlignedBox box() const noexcept { return {low, high}; }
 };
 
 /// The points of a tile in two clusters of depth (modified half-Z: Stewart 2015; [TH17] section
@@ -35,13 +37,8 @@ class TileBounds {
     std::array<FrustumPiece, kClusters> pieces_;
 };
 
-/// A box with edges along the axes of view space.
-struct ViewBox {
-    V3f low{0.0f}, high{0.0f};
-};
-
-/// Encloses a volume.
-ViewBox box_in_view(const Spheroid& spheroid, const CameraRays& camera) noexcept;
+/// Encloses a volume, in view space.
+AlignedBox box_in_view(const Spheroid& spheroid, const CameraRays& camera) noexcept;
 
 /// A bounding volume as tiles are tested against it. A spheroid becomes the unit sphere by
 /// stretching space, which is then turned until planes of equal depth are level again: [TH17] Eqs.

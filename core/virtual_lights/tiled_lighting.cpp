@@ -83,7 +83,7 @@ ImperfectShadowMaps make_maps(const LightingPass& pass, const PreparedLights& li
             ranges[i] = std::sqrt(lights.listed(i).farthest2);
         }
     }
-    return {all, ranges, pass.cloud, pass.options.map_points, pass.key};
+    return {all, ranges, *pass.cloud, pass.key};
 }
 
 }  // namespace

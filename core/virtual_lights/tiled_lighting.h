@@ -22,10 +22,10 @@ struct LightingPass {
     const CameraRays& camera;
     const CameraView& view;
     const VirtualLightOptions& options;
-    std::uint64_t key;                ///< of its random numbers
-    const std::atomic<bool>* cancel;  ///< may be null
-    Span<const CloudPoint> cloud{};   ///< of shadows by maps
-    Span<LightsOfPixel> of_pixels{};  ///< counted up, not of kGrid; may be empty
+    std::uint64_t key;                  ///< of its random numbers
+    const std::atomic<bool>* cancel;    ///< may be null
+    const PointCloud* cloud = nullptr;  ///< of shadows by maps, else not needed
+    Span<LightsOfPixel> of_pixels{};    ///< counted up, not of kGrid; may be empty
 
     bool cancelled() const noexcept {
         return cancel != nullptr && cancel->load(std::memory_order_relaxed);

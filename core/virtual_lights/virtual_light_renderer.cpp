@@ -85,7 +85,7 @@ struct VirtualLightRenderer::Impl {
     tbb::task_arena arena;
     EmissionTable emission;
     std::optional<RandomRanges> ranges;  ///< since the first pass
-    std::vector<CloudPoint> cloud;       ///< of shadows by maps
+    PointCloud cloud;                    ///< of shadows by maps
     std::vector<LightsOfPixel> of_pixels;
     Film bounced;
     double seconds = 0.0;    ///< of bounced light
@@ -104,9 +104,9 @@ struct VirtualLightRenderer::Impl {
           of_pixels(std::size_t{r.width} * r.height),
           bounced(of_pixels.size()) {
         // So many that the maps of a few lights together have all of the geometry.
-        constexpr std::uint32_t kMaps = 16;
+        constexpr std::uint32_t kParts = 16;
         if (options.shadows != VirtualShadows::kMaps) return;
-        cloud = make_point_cloud(scene(), kMaps * options.map_points, options.map_points, 0);
+        cloud = PointCloud(scene(), kParts, options.map_points, 0);
     }
 
     const Scene::Impl& scene() const noexcept { return shared_scene->impl(); }
@@ -165,7 +165,7 @@ std::vector<V3f> VirtualLightRenderer::Impl::bounced_light(const std::atomic<boo
     std::vector<V3f> pixels(view.hit.size(), V3f(0.0f));
     if (lights.empty()) return pixels;
     const LightingPass lighting{
-        *scene().ray_tracer, camera, view, options, key, cancel, cloud, of_pass};
+        *scene().ray_tracer, camera, view, options, key, cancel, &cloud, of_pass};
     if (options.method == VirtualLightMethod::kGrid) {
         add_by_grid(lighting, lights, pixels, cost);
     } else {

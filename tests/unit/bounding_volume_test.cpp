@@ -158,7 +158,7 @@ TEST_CASE("tiles: a light whose volume holds a point of the tile is never culled
             for (const BoundingVolume kind : kVolumes) {
                 const Spheroid volume = bounding_volume(light, scale, kind);
                 const VolumeInView in_view(volume, rays);
-                const ViewBox box = box_in_view(volume, rays);
+                const AlignedBox box = box_in_view(volume, rays);
                 const BoxTree tree({&box, 1});
                 for (std::uint32_t c = 0; c < TileBounds::kClusters; ++c) {
                     bool holds = false;
@@ -167,7 +167,7 @@ TEST_CASE("tiles: a light whose volume holds a point of the tile is never culled
                         holds = holds || stretched_distance(volume, places[k]) <= 1.0;
                     }
                     bool overlaps = false;
-                    tree.for_overlapping(bounds.piece(c), [&](std::uint32_t) {
+                    tree.for_overlapping(bounds.piece(c).box(), [&](std::uint32_t) {
                         overlaps = in_view.overlaps(bounds.piece(c));
                     });
                     ++tested;
@@ -199,13 +199,13 @@ TEST_CASE("tiles: a tree finds the boxes that a list of them finds") {
     RandomStream random(8);
     const auto place = [&] { return V3f(random.next(), random.next(), random.next()) * 10.0f; };
     for (const std::size_t count : {0u, 1u, 16u, 17u, 300u, 5000u}) {
-        std::vector<ViewBox> boxes(count);
-        for (ViewBox& box : boxes) {
+        std::vector<AlignedBox> boxes(count);
+        for (AlignedBox& box : boxes) {
             const V3f center = place();
             const float size = 0.05f / (0.01f + random.next());
             box = {center - V3f(size), center + V3f(size)};
         }
-        const BoxTree tree{Span<const ViewBox>(boxes)};
+        const BoxTree tree{Span<const AlignedBox>(boxes)};
         for (int i = 0; i < 200; ++i) {
             FrustumPiece piece;
             piece.add(place());
@@ -219,7 +219,7 @@ TEST_CASE("tiles: a tree finds the boxes that a list of them finds") {
                 }
                 if (overlaps) expected.push_back(b);
             }
-            tree.for_overlapping(piece, [&](std::uint32_t b) { found.push_back(b); });
+            tree.for_overlapping(piece.box(), [&](std::uint32_t b) { found.push_back(b); });
             CHECK(found == expected);
         }
     }

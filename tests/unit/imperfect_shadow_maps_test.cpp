@@ -4,14 +4,17 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <limits>
 #include <vector>
 
 using namespace render_support;
 
 namespace {
 
+constexpr std::uint32_t kParts = 16, kPerMap = 8192;
+
 /// A floor of 4 m, and half a metre above its middle a plate of 1 m.
-std::vector<CloudPoint> cloud_of_plate_and_floor(std::uint32_t per_map) {
+PointCloud cloud_of_plate_and_floor() {
     Scene scene;
     scene.add_material(diffuse(0.5f));
     Shape shape;
@@ -19,38 +22,61 @@ std::vector<CloudPoint> cloud_of_plate_and_floor(std::uint32_t per_map) {
     shape.add_level_square({0, 0.5f, 0}, 0.5f, true);
     scene.add_mesh(shape.mesh("plate", 0));
     scene.commit();
-    return make_point_cloud(scene.impl(), 16 * per_map, per_map, 1);
+    return {scene.impl(), kParts, kPerMap, 1};
 }
 
 VirtualLight light_at(const V3f& position, const V3f& normal) {
     return {position, normal, normal, V3f(1.0f), V3f(0.0f), 1.0f, Lobe::kDiffuse};
 }
 
-constexpr std::uint32_t kPerMap = 8192;
-
 }  // namespace
 
-TEST_CASE("point cloud: even by area") {
-    const auto cloud = cloud_of_plate_and_floor(kPerMap);
-    CHECK(cloud.size() == 16 * kPerMap);
-    double on_plate = 0.0, x = 0.0;
-    for (const CloudPoint& point : cloud) {
-        on_plate += point.position.y > 0.25f ? 1.0 : 0.0;
-        x += static_cast<double>(point.position.x);
-        CHECK(point.normal.y == doctest::Approx(1.0));
+TEST_CASE("point cloud: every part is even by area") {
+    const auto cloud = cloud_of_plate_and_floor();
+    REQUIRE(cloud.part_count() == kParts);
+    double all_x = 0.0;
+    for (std::size_t part = 0; part < kParts; ++part) {
+        CHECK(cloud.part(part).size() == kPerMap);
+        double on_plate = 0.0, x = 0.0;
+        for (const CloudPoint& point : cloud.part(part)) {
+            on_plate += point.position.y > 0.25f ? 1.0 : 0.0;
+            x += static_cast<double>(point.position.x);
+            CHECK(point.normal.y == doctest::Approx(1.0));
+        }
+        CHECK(on_plate / kPerMap == doctest::Approx(1.0 / 17.0).epsilon(0.2));
+        CHECK(std::fabs(x / kPerMap) < 0.08);
+        all_x += x;
     }
-    const auto count = static_cast<double>(cloud.size());
-    CHECK(on_plate / count == doctest::Approx(1.0 / 17.0).epsilon(0.05));
-    CHECK(std::fabs(x / count) < 0.02);
-    CHECK(cloud[0].radius == doctest::Approx(std::sqrt(17.0 / render_support::kPi / kPerMap)));
+    CHECK(std::fabs(all_x / kPerMap / kParts) < 0.02);  // they are not the same points
+    CHECK(cloud.part(3)[0].radius ==
+          doctest::Approx(std::sqrt(17.0 / render_support::kPi / kPerMap)));
+}
+
+TEST_CASE("point cloud: what is near is found, and little else") {
+    const auto cloud = cloud_of_plate_and_floor();
+    const V3f place(0.3f, 0.2f, -0.4f);
+    for (const float reach : {0.0f, 0.25f, 0.7f, 10.0f, std::numeric_limits<float>::infinity()}) {
+        std::size_t visited = 0, near = 0, expected = 0;
+        const auto is_near = [&](const CloudPoint& point) {
+            return lightcull::max_component(abs(point.position - place)) <= reach;
+        };
+        cloud.for_near(5, place, reach, [&](const CloudPoint& point) {
+            ++visited;
+            near += is_near(point) ? 1 : 0;
+        });
+        for (const CloudPoint& point : cloud.part(5)) expected += is_near(point) ? 1 : 0;
+        CHECK(near == expected);
+        CHECK(visited == near);
+        CHECK((near > 0) == (reach > 0.0f));
+    }
 }
 
 TEST_CASE("imperfect shadow maps: a plate casts a shadow") {
-    const auto cloud = cloud_of_plate_and_floor(kPerMap);
+    const auto cloud = cloud_of_plate_and_floor();
     // Below the plate, facing up: Program 1 keeps what turns its back on the light.
     const std::vector<VirtualLight> lights{light_at({0, 0.01f, 0}, {0, 1, 0})};
     const float ranges[] = {10.0f};
-    const ImperfectShadowMaps maps(lights, ranges, cloud, kPerMap, 1);
+    const ImperfectShadowMaps maps(lights, ranges, cloud, 1);
     // Seen from the light the plate ends at 45 degrees.
     CHECK(maps.occluded(0, lights[0], {0, 2.0f, 0}));
     CHECK(maps.occluded(0, lights[0], {1.2f, 2.0f, 0.3f}));
@@ -60,13 +86,13 @@ TEST_CASE("imperfect shadow maps: a plate casts a shadow") {
 }
 
 TEST_CASE("imperfect shadow maps: points are culled by range and facing") {
-    const auto cloud = cloud_of_plate_and_floor(kPerMap);
+    const auto cloud = cloud_of_plate_and_floor();
     // Above both, facing down: both face the light.
     const std::vector<VirtualLight> above{light_at({0, 2, 0}, {0, -1, 0})};
     const std::vector<VirtualLight> below{light_at({0, -1, 0}, {0, 1, 0})};
     const float far[] = {100.0f}, near[] = {0.5f};
     const auto splatted = [&](const std::vector<VirtualLight>& lights, Span<const float> ranges) {
-        return ImperfectShadowMaps(lights, ranges, cloud, kPerMap, 1).splatted();
+        return ImperfectShadowMaps(lights, ranges, cloud, 1).splatted();
     };
     CHECK(splatted(above, far) == 0);
     CHECK(splatted(below, far) == kPerMap);
@@ -76,9 +102,9 @@ TEST_CASE("imperfect shadow maps: points are culled by range and facing") {
 TEST_CASE("imperfect shadow maps: without geometry nothing is dark") {
     const std::vector<VirtualLight> lights{light_at({0, 0, 0}, {0, 1, 0})};
     const float ranges[] = {1.0f};
-    const ImperfectShadowMaps maps(lights, ranges, {}, kPerMap, 1);
+    const ImperfectShadowMaps maps(lights, ranges, {}, 1);
     CHECK(!maps.occluded(0, lights[0], {0, 1, 0}));
     Scene scene;
     scene.commit();
-    CHECK(make_point_cloud(scene.impl(), 100, 100, 1).empty());
+    CHECK(PointCloud(scene.impl(), 3, 100, 1).part_count() == 0);
 }

@@ -52,7 +52,7 @@ class Passes {
           view_(trace_camera_view(scene.impl(), settings_, PassRays(camera_, settings_, 1))),
           lights_(virtual_lights(scene.impl(),
                                  emit(EmissionTable(scene.impl()), options_.light_paths, 1), 2, 1)),
-          cloud_(make_point_cloud(scene.impl(), 16 * options_.map_points, options_.map_points, 1)),
+          cloud_(scene.impl(), 16, options_.map_points, 1),
           tracer_(*scene.impl().ray_tracer) {
         for (const auto h : view_.hit) seen_ += h;
     }
@@ -66,7 +66,7 @@ class Passes {
         ranges.begin_pass(number);
         std::vector<V3f> pixels(view_.hit.size(), V3f(0.0f));
         counts = add_tiled_lighting(
-            {tracer_, camera_, view_, options_, hash(number, 5), nullptr, cloud_}, lights_,
+            {tracer_, camera_, view_, options_, hash(number, 5), nullptr, &cloud_}, lights_,
             Acceptance(options_.method, ranges), pixels);
         return pixels;
     }
@@ -103,7 +103,7 @@ class Passes {
     CameraRays camera_;
     CameraView view_;
     std::vector<VirtualLight> lights_;
-    std::vector<CloudPoint> cloud_;
+    PointCloud cloud_;
     const RayTracer& tracer_;
     std::size_t seen_ = 0;
 };
