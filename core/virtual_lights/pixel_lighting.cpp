@@ -3,6 +3,7 @@
 #include "base/random.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace lightcull {
@@ -11,6 +12,30 @@ std::uint32_t PassLights::subset_of(std::uint32_t x, std::uint32_t y) const noex
     const std::uint32_t subsets = lights.subsets();
     const auto turn = static_cast<std::uint32_t>(hash(pass.key, 0x7375627365740) % subsets);
     return (set_of_pixel(x, y, subsets) + turn) % subsets;
+}
+
+void PixelLighting::add_all(std::size_t pixel, const PreparedLights::List& list) {
+    constexpr std::size_t kTogether = 64;
+    const V3f at = of_pass_.pass.view.surfaces[pixel].position;
+    std::array<float, kTogether> distances2;
+    std::array<std::uint32_t, kTogether> near;  // 0 or 1
+    for (std::size_t begin = 0; begin < list.size(); begin += kTogether) {
+        const std::size_t count = std::min(list.size() - begin, kTogether);
+        const float *x = list.x.data() + begin, *y = list.y.data() + begin,
+                    *z = list.z.data() + begin, *farthest2 = list.farthest2.data() + begin;
+        // Without branches, for the compiler to make vectors of.
+        for (std::size_t i = 0; i < count; ++i) {
+            const float dx = x[i] - at.x, dy = y[i] - at.y, dz = z[i] - at.z;
+            const float distance2 = dx * dx + dy * dy + dz * dz;
+            distances2[i] = distance2;
+            near[i] = static_cast<std::uint32_t>(distance2 > 0.0f) &
+                      static_cast<std::uint32_t>(distance2 <= farthest2[i]);
+        }
+        for (std::size_t i = 0; i < count; ++i) {
+            if (near[i] == 0) continue;
+            add_near(pixel, list.index[begin + i], V3f(x[i], y[i], z[i]) - at, distances2[i]);
+        }
+    }
 }
 
 void PixelLighting::add_near(std::size_t pixel, std::uint32_t index, const V3f& way,

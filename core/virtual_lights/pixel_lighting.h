@@ -32,6 +32,8 @@ class PixelLighting {
     PixelLighting(const PassLights& lights, Span<V3f> pixels)
         : of_pass_(lights), scale_(static_cast<float>(lights.lights.subsets())), pixels_(pixels) {}
 
+    /// The same as add() of all lights of a list.
+    void add_all(std::size_t pixel, const PreparedLights::List& list);
     /// Adds what a listed light gives a pixel that shows a surface, but for what waits for a ray.
     void add(std::size_t pixel, const PreparedLights::Listed& listed) {
         const V3f way = listed.position - of_pass_.pass.view.surfaces[pixel].position;

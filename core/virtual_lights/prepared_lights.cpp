@@ -72,18 +72,26 @@ void PreparedLights::order(const std::vector<VirtualLight>& lights, const Accept
     });
 }
 
-void PreparedLights::list(std::uint32_t subset, const FrustumPiece& piece,
-                          std::vector<Listed>& list) const {
-    list.clear();
-    if (piece.empty) return;
+void PreparedLights::List::add(const Listed& light) {
+    x.push_back(light.position.x);
+    y.push_back(light.position.y);
+    z.push_back(light.position.z);
+    farthest2.push_back(light.farthest2);
+    index.push_back(light.index);
+}
+
+PreparedLights::List PreparedLights::list(std::uint32_t subset, const FrustumPiece& piece) const {
+    List list;
+    if (piece.empty) return list;
     if (volumes_.empty()) {
-        for (std::size_t i = begin(subset); i < begin(subset + 1); ++i) list.push_back(listed(i));
-        return;
+        for (std::size_t i = begin(subset); i < begin(subset + 1); ++i) list.add(listed(i));
+        return list;
     }
     trees_[subset].for_overlapping(piece.box(), [&](std::uint32_t k) {
         const std::size_t i = begin(subset) + k;
-        if (volumes_[i].overlaps(piece)) list.push_back(listed(i));
+        if (volumes_[i].overlaps(piece)) list.add(listed(i));
     });
+    return list;
 }
 
 }  // namespace lightcull

@@ -40,8 +40,17 @@ class PreparedLights {
     /// The number of the first light of a subset, or behind the last one's last.
     std::size_t begin(std::uint32_t subset) const noexcept { return begins_[subset]; }
 
+    /// Lights as Listed, one array per quantity: a place is compared with many of them at a time.
+    struct List {
+        std::vector<float> x, y, z, farthest2;
+        std::vector<std::uint32_t> index;
+
+        std::size_t size() const noexcept { return index.size(); }
+        void add(const Listed& light);
+    };
+
     /// The lights of a subset that may count somewhere in a piece of a tile.
-    void list(std::uint32_t subset, const FrustumPiece& piece, std::vector<Listed>& list) const;
+    List list(std::uint32_t subset, const FrustumPiece& piece) const;
 
   private:
     void order(const std::vector<VirtualLight>& lights, const Acceptance& acceptance,

@@ -55,16 +55,16 @@ LightingCounts light_tile(const PassLights& lights, const SubTile& tile, Span<V3
     std::vector<V3f> points;
     tile.for_each_pixel(view, [&](std::size_t i) { points.push_back(view.view_positions[i]); });
     const TileBounds bounds{Span<const V3f>(points)};
-    std::array<std::vector<PreparedLights::Listed>, TileBounds::kClusters> lists;
+    std::array<PreparedLights::List, TileBounds::kClusters> lists;
     const std::uint32_t subset = lights.subset_of(tile.x0, tile.y0);
     for (std::uint32_t c = 0; c < TileBounds::kClusters; ++c) {
-        lights.lights.list(subset, bounds.piece(c), lists[c]);
+        lists[c] = lights.lights.list(subset, bounds.piece(c));
     }
     PixelLighting lighting(lights, pixels);
     tile.for_each_pixel(view, [&](std::size_t i) {
-        const auto& list = lists[bounds.cluster_of(view.view_positions[i])];
+        const PreparedLights::List& list = lists[bounds.cluster_of(view.view_positions[i])];
         lighting.count(i, list.size());
-        for (const PreparedLights::Listed& light : list) lighting.add(i, light);
+        lighting.add_all(i, list);
         lighting.finish(i);
     });
     return lighting.counts();
