@@ -25,11 +25,13 @@ apt=(apt-get -q -o Dir::Etc::SourceList=/dev/null -o "Dir::Etc::SourceParts=$PWD
 
 fetch() {
     local package=$1 version=$2
-    rm -rf "$package" "$package"_* &&
+    rm -rf "$package" "$package"_* "$package.unpacked" &&
         "${apt[@]}" update &&
         "${apt[@]}" source --download-only --tar-only "$package=$version" &&
-        mkdir "$package" &&
-        tar xf "$package"_*.orig.tar.* -C "$package" --strip-components=1 &&
+        mkdir "$package.unpacked" &&
+        # Not all systems have an xz, which tar would want.
+        cmake -E chdir "$package.unpacked" cmake -E tar xf "$PWD/$package"_*.orig.tar.* &&
+        mv "$package.unpacked"/* "$package" &&
         touch "$package/readme.pdf"  # Embree installs it, and Debian left it out
 }
 

@@ -6,6 +6,7 @@
 #include <doctest/doctest.h>
 #include <tbb/task_arena.h>
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -28,20 +29,24 @@ struct Results {
     std::vector<float> probs;  ///< of the light that the next point was given
 };
 
-Results run(const std::string& description, const std::vector<Light>& lights,
-            std::uint32_t point_count, int threads) {
-    const auto sampler = make_sampler(description, lights);
+std::unique_ptr<LightSampler> sampler_in_pass(const char* description,
+                                              const std::vector<Light>& lights) {
+    auto sampler = make_sampler(description, lights);
     sampler->begin_pass(4);
-    const auto points = mixed_points(point_count, 31, sampler->set_count());
+    return sampler;
+}
+
+Results run(const LightSampler& sampler, std::uint32_t point_count, int threads) {
+    const auto points = mixed_points(point_count, 31, sampler.set_count());
     std::vector<float> u;
     for (std::size_t i = 0; i < points.size(); ++i) u.push_back(uniform_float(hash(i, 32)));
     Results results;
     results.batch.resize(points.size());
-    tbb::task_arena(threads).execute([&] { sampler->select(points, u, results.batch); });
+    tbb::task_arena(threads).execute([&] { sampler.select(points, u, results.batch); });
     for (std::size_t i = 0; i < points.size(); ++i) {
-        results.single.push_back(sampler->select(points[i], u[i]));
+        results.single.push_back(sampler.select(points[i], u[i]));
         const std::uint32_t other = results.batch[(i + 1) % points.size()].light;
-        results.probs.push_back(sampler->prob(points[i], results.single[i].receipt, other));
+        results.probs.push_back(sampler.prob(points[i], results.single[i].receipt, other));
     }
     return results;
 }
@@ -67,17 +72,24 @@ TEST_CASE("every instruction set, batch size and number of threads gives the sca
           "culled:sets=4:group=40", "culled:sets=4:accepted=0.3:group=20", "light_bvh",
           "light_bvh:importance=means", "clamped", "exhaustive"}) {
         CAPTURE(description);
-        for (const std::uint32_t points : {0u, 1u, 7u, 8u, 9u, 17u, 600u}) {
-            CAPTURE(points);
-            use_instruction_set("scalar");
-            const Results scalar = run(description, lights, points, 1);
-            require_equal(scalar.batch, scalar.single);
-            for (const std::string& name : instruction_sets()) {
-                CAPTURE(name);
-                use_instruction_set(name);
-                CHECK(instruction_set() == name);
+        constexpr std::uint32_t kPointCounts[] = {0, 1, 7, 8, 9, 17, 600};
+        use_instruction_set("scalar");
+        const auto by_scalar = sampler_in_pass(description, lights);
+        std::vector<Results> expected;
+        for (const std::uint32_t points : kPointCounts) {
+            expected.push_back(run(*by_scalar, points, 1));
+            require_equal(expected.back().batch, expected.back().single);
+        }
+        for (const std::string& name : instruction_sets()) {
+            CAPTURE(name);
+            use_instruction_set(name);
+            CHECK(instruction_set() == name);
+            const auto sampler = sampler_in_pass(description, lights);
+            for (const Results& scalar : expected) {
+                const auto points = static_cast<std::uint32_t>(scalar.single.size());
+                CAPTURE(points);
                 for (const int threads : {1, 2}) {
-                    const Results results = run(description, lights, points, threads);
+                    const Results results = run(*sampler, points, threads);
                     require_equal(results.single, scalar.single);
                     require_equal(results.batch, scalar.single);
                     CHECK(results.probs == scalar.probs);
