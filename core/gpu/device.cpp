@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <sstream>
 #include <string_view>
 #include <utility>
 
@@ -196,7 +197,9 @@ void Device::run(double timeout_seconds,
     } catch (const vk::Error&) {
         rethrow_as_error(name_);
     }
-    throw Error(name_ + ": no answer within " + std::to_string(timeout_seconds) + " s");
+    std::ostringstream message;
+    message << name_ << ": no answer within " << timeout_seconds << " s";
+    throw Error(message.str());
 }
 
 bool Device::finishes_within(double seconds) {

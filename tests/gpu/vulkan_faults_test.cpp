@@ -101,15 +101,15 @@ TEST_CASE("set-up without enough memory names what it was for, wherever it stops
 
 TEST_CASE("a device that does not answer in time is told once, and the processor goes on") {
     const FaultyLayer layer;
-    check_fault(std::string("vkWaitForFences") + kTimeout, "': no answer within 60");
+    check_fault(std::string("vkWaitForFences") + kTimeout, "': no answer within 60 s");
     CHECK(contains(set_up_error(std::string("vkWaitForFences") + kTimeout),
-                   "': no answer within 60"));
+                   "': no answer within 60 s"));
 }
 
 TEST_CASE("a device that never answers holds up nothing, not even the end") {
     const FaultyLayer layer;
-    CHECK(contains(set_up_error("hung 0 "), "': no answer within 60"));
-    check_fault("hung 0 ", "': no answer within 60");
+    CHECK(contains(set_up_error("hung 0 "), "': no answer within 60 s"));
+    check_fault("hung 0 ", "': no answer within 60 s");
 }
 
 TEST_CASE("devices that cannot be used are told, each with its problem") {

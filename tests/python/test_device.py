@@ -163,7 +163,7 @@ except lightcull.Error as error:
         (FAULTY | {"LIGHTCULL_FAULT": "compute 0 0"}, "", "no queue for compute"),
         (FAULTY | {"LIGHTCULL_FAULT": "vkAllocateMemory -2 0"}, "", "out of device memory"),
         (FAULTY, "vkQueueSubmit -4 0", "the device was lost"),
-        (FAULTY, "hung 0 0", "no answer within 60"),
+        (FAULTY, "hung 0 0", "no answer within 60 s"),
     ],
 )  # fmt: skip
 def test_a_device_that_fails_is_one_error_and_the_processor_goes_on(
