@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from importlib.metadata import entry_points
 from pathlib import Path
 from subprocess import CompletedProcess
 
@@ -29,6 +30,21 @@ def show(self, progress):
 bars.Bars.__call__ = show
 sys.exit(main())
 """
+
+
+BEGIN = "from lightcull_command import main; sys.exit(main())"
+INTERRUPTED_IMPORT = (
+    """
+import signal, sys
+class CtrlC:
+    @staticmethod
+    def find_spec(name, *_):
+        if name == "{module}":
+            signal.raise_signal(signal.SIGINT)
+sys.meta_path.insert(0, CtrlC)
+"""
+    + BEGIN
+)
 
 
 def only_line(text: str) -> str:
@@ -178,6 +194,23 @@ def test_ctrl_c_saves_the_report(command: Run, tmp_path: Path) -> None:
     assert result.stdout.splitlines()[-1] == "r/index.html: interrupted"
     report = json.loads((tmp_path / "r" / "report.json").read_text())
     assert all(run["spp"] >= 1 for run in report["samplers"].values())
+
+
+@pytest.mark.parametrize("module", ["lightcull", "numpy", "lightcull._core", "lightcull.cli.options"])
+def test_ctrl_c_while_python_still_imports(command: Run, module: str) -> None:
+    program = ("-c", INTERRUPTED_IMPORT.format(module=module))
+    result = command("info", "cornell", program=program)
+    assert result.returncode == 130
+    assert only_line(result.stderr) == "lightcull: interrupted before anything was done"
+    assert not result.stdout
+
+
+def test_the_command_begins_before_the_package(command: Run) -> None:
+    (script,) = entry_points(group="console_scripts", name="lightcull")
+    assert script.value == "lightcull_command:main"
+    result = command("info", "cornel", program=("-c", "import sys; " + BEGIN))
+    assert result.returncode == 1
+    assert "did you mean 'cornell'?" in only_line(result.stderr)
 
 
 def test_ctrl_c_before_there_is_anything(command: Run, tmp_path: Path) -> None:
