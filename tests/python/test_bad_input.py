@@ -465,6 +465,29 @@ def ply_with(folder: Path, image: str) -> Path:
     return folder / "a.ply"
 
 
+@pytest.mark.parametrize("vertices", [5, 2**31])
+@pytest.mark.parametrize("binary", [False, True])
+def test_a_ply_that_promises_more_than_it_has(tmp_path: Path, vertices: int, binary: bool) -> None:
+    path = tmp_path / "a.ply"
+    corners = "".join(f"property float {name}\n" for name in "xyz")
+    faces = "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+    kind = "binary_little_endian" if binary else "ascii"
+
+    def write(vertices: int) -> None:
+        header = f"ply\nformat {kind} 1.0\nelement vertex {vertices}\n{corners}{faces}".encode()
+        packed = struct.pack("<9fB3i", 0, 0, 0, 1, 0, 0, 0, 1, 0, 3, 0, 1, 2)
+        path.write_bytes(header + (packed if binary else b"0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n\n"))
+
+    write(3)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        assert lightcull.load(path).triangle_count == 1
+    write(vertices)
+    said = "PLY is unexpected length" if binary else f"promises {vertices + 1} rows, and there are 4"
+    with pytest.raises(lightcull.Error, match=f"a.ply: cannot be read: .*{said}"):
+        lightcull.load(path)
+
+
 def test_what_a_library_says_of_a_file_is_not_printed(
     command: Callable[..., subprocess.CompletedProcess[str]], tmp_path: Path
 ) -> None:

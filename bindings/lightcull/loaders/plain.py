@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import io
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 import trimesh
 
+from .._core import Error
 from ..scene import Scene
 from .meshes import Surface, add_geometry, parse, uvs_of
 from .notes import Notes
@@ -38,6 +39,8 @@ def fill_from_obj(path: Path, scene: Scene, notes: Notes) -> None:
 def fill_from_ply(path: Path, scene: Scene, notes: Notes) -> None:
     """Fills a scene from a Stanford PLY file."""
     with path.open("rb") as stream:
+        _check_rows(stream)
+        stream.seek(0)
         parsed = parse(path, stream, notes)
     for name, geometry in parsed.geometry.items():
         _note_vertex_colors(geometry, notes)
@@ -49,6 +52,21 @@ def fill_from_ply(path: Path, scene: Scene, notes: Notes) -> None:
             base_color_texture=texture if uvs_of(geometry) is not None else None,
         )
         add_geometry(scene, name, geometry, np.eye(4), Surface(material), notes)
+
+
+def _check_rows(stream: BinaryIO) -> None:
+    """Throws Error if a text file has less than its header promises, which trimesh does not mind."""
+    is_text, promised = False, 0
+    for line in stream:
+        words = line.split()
+        if words[:1] == [b"end_header"]:
+            break
+        is_text |= words[:2] == [b"format", b"ascii"]
+        if words[:1] == [b"element"] and words[-1].isdigit():
+            promised += int(words[-1])
+    rows = sum(bool(line.strip()) for line in stream) if is_text else promised
+    if rows < promised:
+        raise Error(f"cannot be read: its header promises {promised} rows, and there are {rows}")
 
 
 def _material(geometry: Any) -> Any:
