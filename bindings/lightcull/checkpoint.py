@@ -23,6 +23,7 @@ from .images import check_output, write_whole_file
 
 _MAGIC = b"lightcull checkpoint 1\n"
 _DIGEST_SIZE = 32
+_SECONDS_BETWEEN = 60.0
 
 
 @dataclass(frozen=True)
@@ -113,7 +114,7 @@ class Keeper:
         key: RenderKey,
         *,
         checkpoint: str | os.PathLike[str] | None,
-        every: float,
+        every: float | None,
         resume: str | os.PathLike[str] | None,
     ) -> None:
         """checkpoint, every, resume: as `lightcull.render` has them. Throws Error if it cannot be
@@ -122,7 +123,7 @@ class Keeper:
         source = None if resume is None else checks.path("resume", resume)
         self._target = source if checkpoint is None else checks.path("checkpoint", checkpoint)
         self._key = key
-        self._every = _positive("every", every)
+        self._every = _SECONDS_BETWEEN if every is None else _positive("every", every)
         self._last = time.monotonic()
         self.before: Checkpoint | None = None
         """What to go on from."""

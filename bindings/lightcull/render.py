@@ -242,7 +242,7 @@ def render(
     threads: int = 0,
     progress: ProgressCallback | None = None,
     checkpoint: str | os.PathLike[str] | None = None,
-    every: float = 60.0,
+    every: float | None = None,
     resume: str | os.PathLike[str] | None = None,
 ) -> RenderResult:
     """Renders a scene, for `seconds` of wall time (at least one sample) or `spp` samples per pixel.
@@ -255,17 +255,20 @@ def render(
     direct light. threads: 0 for all; the image does not depend on it. progress: called between
     passes; what it raises ends the render.
 
-    checkpoint: a file to which the render is saved every `every` seconds and at its end, from which
-    it can go on; whatever happens, the old one or the new one is there whole. It must not be there
-    before. resume: such a file to go on from, and to save to where checkpoint names no other. The
-    image has the same bits as if it had never stopped; seconds and spp count from the first start.
-    A file of another scene, sampler, size, max_depth, seed or build of lightcull is an Error.
+    checkpoint: a file to which the render is saved every `every` seconds (60 unless told) and at
+    its end, from which it can go on; whatever happens, the old one or the new one is there whole. It
+    must not be there before. resume: such a file to go on from, and to save to where checkpoint
+    names no other. The image has the same bits as if it had never stopped; seconds and spp count
+    from the first start. A file of another scene, sampler, size, max_depth, seed or build of
+    lightcull is an Error.
 
     Ctrl-C ends the render after the pass under way, and what there is is saved and returned. One
     more, before that pass is over, is a KeyboardInterrupt.
     """
     budget = Budget(spp, seconds)
     settings = RenderSettings(size, max_depth, seed, threads)
+    if every is not None and checkpoint is None and resume is None:
+        raise Error("every: only with checkpoint or resume")
     if check_method(method) != PATH:
         return _render_virtual_lights(
             scene, method, sampler, budget, settings, progress, (checkpoint, resume)

@@ -298,6 +298,7 @@ def test_an_image_that_is_black_says_so() -> None:
         ("--max-depth", "4294967296"),
         ("--exposure", "nan"),
         ("--every", "0"),
+        ("--every", "5"),
         ("--sampler", ""),
         ("--sampler", "cul\nled"),
         ("--method", "vpl\nall"),

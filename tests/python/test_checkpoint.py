@@ -132,6 +132,12 @@ def test_how_often_it_is_saved_is_a_time(tmp_path: Path, every: float) -> None:
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.parametrize("method", ["path", "vpl_culled"])
+def test_how_often_nothing_is_saved_is_an_error(method: str) -> None:
+    with pytest.raises(lightcull.Error, match="^every: only with checkpoint or resume$"):
+        render(1, every=5, method=method)
+
+
 def test_where_it_cannot_be_saved_is_found_first(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     os.mkfifo(tmp_path / "pipe")

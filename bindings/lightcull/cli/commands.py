@@ -44,6 +44,8 @@ def _render(options: argparse.Namespace, arguments: Sequence[str], messages: Con
     default = f"{Path(options.scene).stem or 'image'}.exr"
     output = Path(default if options.output is None else options.output)
     _check_output(output, options)
+    if options.every is not None and options.checkpoint is None and options.resume is None:
+        raise Error("--every: only with --checkpoint or --resume")
     with _warnings_to(messages):
         scene = _open(options)
         with Bars(messages) as bars, _named_checkpoint(options):

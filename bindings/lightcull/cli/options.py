@@ -60,7 +60,7 @@ def make_parser() -> argparse.ArgumentParser:
         "--checkpoint", metavar="FILE", help="save the render to go on from later; a new file"
     )
     render.add_argument(
-        "--every", type=_positive, default=60.0, metavar="S", help="seconds between; default: 60"
+        "--every", type=_positive, metavar="S", help="seconds between; default: 60"
     )
     render.add_argument(
         "--resume", metavar="FILE", help="go on from a checkpoint, and keep it up to date"
