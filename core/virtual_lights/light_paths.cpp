@@ -95,6 +95,15 @@ std::vector<LightRay> emit(const EmissionTable& emission, std::uint32_t count, s
     return rays;
 }
 
+void check_shadow_map_sources(const Scene::Impl& scene) {
+    for (const Emitter& emitter : scene.emitters) {
+        if (std::holds_alternative<SpotEmitter>(emitter)) continue;
+        throw Error(
+            "reflective shadow map: only spots and the environment can have one, and something "
+            "else emits");
+    }
+}
+
 std::vector<LightRay> shadow_map_rays(const Scene::Impl& scene, const EmissionTable& emission,
                                       std::uint32_t edge, std::uint64_t key) {
     std::vector<LightRay> rays;
@@ -109,13 +118,8 @@ std::vector<LightRay> shadow_map_rays(const Scene::Impl& scene, const EmissionTa
         }
     };
     for (const Emitter& emitter : scene.emitters) {
-        const auto* spot = std::get_if<SpotEmitter>(&emitter);
-        if (spot == nullptr) {
-            throw Error(
-                "reflective shadow map: only spots and the environment can have one, and "
-                "something else emits");
-        }
-        add_texels([&](const PathRandom&, const V2f& u) { return spot_ray(*spot, u); });
+        const auto& spot = std::get<SpotEmitter>(emitter);
+        add_texels([&](const PathRandom&, const V2f& u) { return spot_ray(spot, u); });
     }
     if (scene.environment) {
         add_texels([&](const PathRandom& random, const V2f& u) {

@@ -245,6 +245,7 @@ RenderStats VirtualLightRenderer::stats() const {
 }
 
 const VirtualLightStats& VirtualLightRenderer::virtual_light_stats() const noexcept {
+    if (options.source == VirtualLightSource::kShadowMap) check_shadow_map_sources(scene->impl());
     return impl_->stats;
 }
 

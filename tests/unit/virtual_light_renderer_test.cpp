@@ -331,6 +331,11 @@ TEST_CASE("virtual lights: bad input is refused, nothing to do is done") {
         CAPTURE(method);
         CHECK_THROWS_AS(parse_virtual_light_method(method), Error);
     }
+    CHECK_THROWS_WITH_AS(
+        renderer(scene, "vpl_culled:source=shadow_map:lights=400", square_image(8, 3)),
+        "reflective shadow map: only spots and the environment can have one, and "
+        "something else emits",
+        Error);
     CHECK_THROWS_AS(renderer(scene, "vpl_culled:error_bound=-1", square_image(8, 3))->render_pass(),
                     Error);
 

@@ -11,9 +11,9 @@ from .._core import Error
 from ..images import check_writable
 from ..render import RenderSettings
 from ..scene import Scene
-from ..virtual_lights import VirtualLightJob, check_method
+from ..virtual_lights import PATH, VirtualLightJob, check_method
 from . import hierarchy, page, race, scaling, volumes
-from .measure import DIRECT_SAMPLER, Bench
+from .measure import Bench
 from .model import MethodReport
 
 MOST_LIGHTS = 1048576
@@ -60,7 +60,9 @@ def compare_methods(
             progress(f"{stage}, {fraction:.0%}")
 
     settings = RenderSettings(size, max_depth, seed, threads)
-    VirtualLightJob(scene, "vpl_all", DIRECT_SAMPLER, settings)  # what it refuses, it refuses now
+    for method in ("vpl_all", *methods):
+        if method != PATH:  # what it refuses, it refuses now
+            VirtualLightJob(scene, method, "uniform", settings)
     bench = Bench(scene, settings, most_lights, seconds, report)
     studies = (
         race.equal_time(bench, tuple(dict.fromkeys(methods))),

@@ -133,8 +133,9 @@ struct LightsOfPixel {
 class VirtualLightRenderer {
   public:
     /// settings.max_depth: 3 to 5, for one to three bounces. `sampler` is for direct light. Throws
-    /// Error if the settings or options make no sense, or if a material is a perfect mirror, whose
-    /// light no virtual light can send on.
+    /// Error if the settings or options make no sense, if a material is a perfect mirror, whose
+    /// light no virtual light can send on, or if light paths are to start at shadow maps and
+    /// something emits that has none.
     VirtualLightRenderer(std::shared_ptr<const Scene> scene, const RenderSettings& settings,
                          const VirtualLightOptions& options, std::unique_ptr<LightSampler> sampler);
     ~VirtualLightRenderer();
