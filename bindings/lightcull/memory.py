@@ -10,6 +10,7 @@ from ._core import Error
 
 if TYPE_CHECKING:
     from .render import RenderJob
+    from .virtual_lights import VirtualLightJob
 
 _BYTES_TAKEN = 2 * 12
 """Per pixel, of the image as it is taken."""
@@ -33,19 +34,24 @@ class Need:
     """Sums of the passes, the pass under way, and the image as it is taken."""
     paths: int
     """Those that are traced at a time."""
+    virtual_lights: int
+    """Those of a pass, and what pixels show; 0 where paths find what bounces."""
     setup: int
     """What all of the process came to at most until the first pass."""
 
     @property
     def peak(self) -> int:
         """The most at any time, set-up included."""
-        parts = (self.program, self.scene, self.bvh, self.sampler, self.image, self.paths)
+        parts = (
+            self.program, self.scene, self.bvh, self.sampler, self.image, self.paths,
+            self.virtual_lights,
+        )  # fmt: skip
         return max(self.setup, sum(parts))
 
 
-def of_render(job: RenderJob, size: tuple[int, int]) -> Need:
+def of_render(job: RenderJob | VirtualLightJob, size: tuple[int, int]) -> Need:
     """What a render that is set up in this process will have needed once it is done."""
-    scene, renderer = job.memory_size()
+    scene, renderer, virtual_lights = job.memory_size()
     there = scene.data + scene.bvh + renderer.sampler + renderer.film
     return Need(
         program=max(_of_process("VmRSS") - there, 0),
@@ -54,6 +60,7 @@ def of_render(job: RenderJob, size: tuple[int, int]) -> Need:
         sampler=renderer.sampler,
         image=renderer.film + size[0] * size[1] * _BYTES_TAKEN,
         paths=renderer.paths,
+        virtual_lights=virtual_lights,
         setup=_of_process("VmHWM"),
     )
 
@@ -69,12 +76,14 @@ def of_image(size: tuple[int, int]) -> int:
 
 def check_image(size: tuple[int, int]) -> None:
     """Throws Error for an image for which there is not enough memory."""
-    needed, there = of_image(size), available()
+    check(f"size: an image of {size[0]}x{size[1]} needs", of_image(size))
+
+
+def check(what_needs: str, needed: int) -> None:
+    """Throws Error that begins like this unless so many bytes are free."""
+    there = available()
     if there is not None and needed > there:
-        raise Error(
-            f"size: an image of {size[0]}x{size[1]} needs {text(needed)} of memory, and "
-            f"{text(there)} are free"
-        )
+        raise Error(f"{what_needs} {text(needed)} of memory, and {text(there)} are free")
 
 
 def available() -> int | None:

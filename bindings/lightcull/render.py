@@ -166,9 +166,9 @@ class RenderJob:
         """Mean cost of one selection at camera points. After the first pass."""
         return self._renderer.mean_counts()
 
-    def memory_size(self) -> tuple[_core.SceneMemory, _core.RendererMemory]:
-        """Bytes, of the scene and of all else."""
-        return self._scene.memory_size(), self._renderer.memory_size()
+    def memory_size(self) -> tuple[_core.SceneMemory, _core.RendererMemory, int]:
+        """Bytes, of the scene, of paths and of virtual lights."""
+        return self._scene.memory_size(), self._renderer.memory_size(), 0
 
     def stats(self) -> Stats:
         return Stats.of(self._renderer.stats(), self._setup_seconds())

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from . import _core, checks
+from . import _core, checks, memory
 from ._core import Error
 
 if TYPE_CHECKING:
@@ -68,10 +68,14 @@ class VirtualLightJob:
                 f"{method}: max_depth is {settings.max_depth}: virtual lights give what bounces, "
                 "from max_depth 3 on"
             )
+        self._scene = scene.closed()
         self._renderer = _core.VirtualLightRenderer(
-            scene.closed(), method, sampler, *settings.size, settings.max_depth, settings.seed,
+            self._scene, method, sampler, *settings.size, settings.max_depth, settings.seed,
             settings.threads,
         )  # fmt: skip
+        self._memory = self._renderer.virtual_light_memory()
+        memory.check(f"{method}: its virtual lights need", self._memory.lights)
+        memory.check(f"{method}: its image needs", self._memory.image)
 
     def render_pass(self) -> None:
         """Adds one sample to every pixel, by new virtual lights. Ctrl-C drops the pass."""
@@ -85,6 +89,11 @@ class VirtualLightJob:
         from .render import Stats
 
         return Stats.of(self._renderer.stats(), self._renderer.setup_seconds())
+
+    def memory_size(self) -> tuple[_core.SceneMemory, _core.RendererMemory, int]:
+        """Bytes, of the scene, of direct light and of virtual lights."""
+        virtual_lights = self._memory.lights + self._memory.image
+        return self._scene.memory_size(), self._renderer.memory_size(), virtual_lights
 
     def lights_of_pixels(self) -> np.ndarray:
         """float64 (H, W, 2): listed and accepted lights of each pixel, means over the passes."""

@@ -23,6 +23,15 @@ class InterruptibleVirtualLights : public Interruptible<VirtualLightRenderer> {
                   scene, settings, options, make_scene_sampler(sampler, *scene, settings));
           }) {}
 
+    RendererMemory memory_size() {
+        return locked([](const VirtualLightRenderer& renderer) { return renderer.memory_size(); });
+    }
+
+    VirtualLightMemory virtual_light_memory() {
+        return locked(
+            [](const VirtualLightRenderer& renderer) { return renderer.virtual_light_memory(); });
+    }
+
     VirtualLightStats virtual_light_stats() {
         return locked([](const VirtualLightRenderer& renderer) {
             return VirtualLightStats(renderer.virtual_light_stats());
@@ -69,6 +78,9 @@ void bind_virtual_lights(py::module_& module) {
         .def_readonly("shadow_rays", &VirtualLightStats::shadow_rays)
         .def_readonly("error_bound", &VirtualLightStats::error_bound)
         .def_readonly("map_points", &VirtualLightStats::map_points);
+    py::class_<VirtualLightMemory>(module, "VirtualLightMemory")
+        .def_readonly("lights", &VirtualLightMemory::lights)
+        .def_readonly("image", &VirtualLightMemory::image);
     py::class_<InterruptibleVirtualLights>(module, "VirtualLightRenderer")
         .def(py::init(&make_virtual_lights), py::arg("scene"), py::arg("method"),
              py::arg("sampler"), py::arg("width"), py::arg("height"), py::arg("max_depth"),
@@ -78,6 +90,8 @@ void bind_virtual_lights(py::module_& module) {
         .def("stats", &InterruptibleVirtualLights::stats)
         .def("lights_of_pixels", &InterruptibleVirtualLights::lights_of_pixels)
         .def("virtual_light_stats", &InterruptibleVirtualLights::virtual_light_stats)
+        .def("memory_size", &InterruptibleVirtualLights::memory_size)
+        .def("virtual_light_memory", &InterruptibleVirtualLights::virtual_light_memory)
         .def("setup_seconds", &InterruptibleVirtualLights::setup_seconds);
     module.def(
         "check_virtual_light_method",

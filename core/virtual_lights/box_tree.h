@@ -1,5 +1,6 @@
 #pragma once
 
+#include "lights/memory_size.h"
 #include "render/vec.h"
 
 #include <lightcull/span.h>
@@ -28,6 +29,13 @@ class BoxTree {
     template <typename Visit>
     void for_overlapping(const AlignedBox& with, Visit&& visit) const {
         if (!levels_.empty()) descend(levels_.size() - 1, 0, with, visit);
+    }
+
+    /// Bytes.
+    std::size_t memory_size() const noexcept {
+        std::size_t sum = 0;
+        for (const std::vector<Node>& level : levels_) sum += size_of(level);
+        return sum;
     }
 
   private:

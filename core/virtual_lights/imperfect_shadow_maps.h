@@ -17,6 +17,7 @@ class ImperfectShadowMaps {
   public:
     /// Texels of a map along an edge: [TH16] section 4.4.
     static constexpr std::uint32_t kEdge = 32;
+    static constexpr std::size_t kBytesPerLight = std::size_t{kEdge} * kEdge * sizeof(float);
     /// More lights would take too much memory: 4 KB each.
     static constexpr std::size_t kMostLights = std::size_t{1} << 18;
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "lights/memory_size.h"
 #include "render/scene_impl.h"
 #include "render/vec.h"
 #include "virtual_lights/box_tree.h"
@@ -41,6 +42,13 @@ class PointCloud {
         const AlignedBox cube{place - half, place + half};
         parts_[part].tree.for_overlapping(cube,
                                           [&](std::uint32_t i) { visit(parts_[part].points[i]); });
+    }
+
+    /// Bytes.
+    std::size_t memory_size() const noexcept {
+        std::size_t sum = 0;
+        for (const Part& part : parts_) sum += size_of(part.points) + part.tree.memory_size();
+        return sum;
     }
 
   private:

@@ -1,6 +1,7 @@
 #include <lightcull/virtual_lights/virtual_light_renderer.h>
 
 #include "base/random.h"
+#include "lights/memory_size.h"
 #include "render/camera.h"
 #include "render/film.h"
 #include "render/scene_impl.h"
@@ -8,6 +9,7 @@
 #include "virtual_lights/camera_view.h"
 #include "virtual_lights/cross_bilateral.h"
 #include "virtual_lights/grid_lighting.h"
+#include "virtual_lights/imperfect_shadow_maps.h"
 #include "virtual_lights/light_paths.h"
 #include "virtual_lights/point_cloud.h"
 #include "virtual_lights/scene_checks.h"
@@ -69,6 +71,18 @@ void note(const LightingCounts& counts, VirtualLightStats& cost) noexcept {
     cost.build_seconds = counts.build_seconds;
 }
 
+/// What of a pixel is kept, or worked with in a pass.
+constexpr std::size_t kBytesPerPixel = sizeof(Surface) + sizeof(std::uint8_t) + 3 * sizeof(V3f) +
+                                       sizeof(Imath::V3d) + 2 * sizeof(LightsOfPixel);
+
+/// What of a virtual light there is at a time, when most of it is there.
+std::size_t bytes_per_light(const VirtualLightOptions& options) noexcept {
+    constexpr std::size_t kOfTiles = 280, kOfGrid = 800;
+    const bool maps = options.shadows == VirtualShadows::kMaps;
+    return (options.method == VirtualLightMethod::kGrid ? kOfGrid : kOfTiles) +
+           (maps ? ImperfectShadowMaps::kBytesPerLight : 0);
+}
+
 RenderSettings direct_only(RenderSettings settings) {
     settings.max_depth = 2;
     return settings;
@@ -110,6 +124,8 @@ struct VirtualLightRenderer::Impl {
     }
 
     const Scene::Impl& scene() const noexcept { return shared_scene->impl(); }
+    std::vector<LightRay> light_rays(std::uint32_t paths, std::uint64_t key) const;
+    std::size_t bytes_of_lights() const;
     std::vector<VirtualLight> generate(std::uint64_t key, VirtualLightStats& cost) const;
     void begin_ranges(const std::vector<VirtualLight>& lights, std::uint64_t pass);
     std::vector<V3f> bounced_light(const std::atomic<bool>* cancel, VirtualLightStats& cost,
@@ -120,18 +136,40 @@ struct VirtualLightRenderer::Impl {
                      std::vector<V3f>& pixels, VirtualLightStats& cost) const;
 };
 
+/// The first rays of so many light paths, or of as many texels of each shadow map.
+std::vector<LightRay> VirtualLightRenderer::Impl::light_rays(std::uint32_t paths,
+                                                             std::uint64_t key) const {
+    if (options.source == VirtualLightSource::kPaths) return emit(emission, paths, key);
+    const double edge = std::sqrt(static_cast<double>(paths));
+    return shadow_map_rays(scene(), emission, static_cast<std::uint32_t>(std::lround(edge)), key);
+}
+
 std::vector<VirtualLight> VirtualLightRenderer::Impl::generate(std::uint64_t key,
                                                                VirtualLightStats& cost) const {
     const Stopwatch watch;
-    const auto edge = static_cast<std::uint32_t>(
-        std::lround(std::sqrt(static_cast<double>(options.light_paths))));
-    const std::vector<LightRay> starts = options.source == VirtualLightSource::kShadowMap
-                                             ? shadow_map_rays(scene(), emission, edge, key)
-                                             : emit(emission, options.light_paths, key);
+    const std::vector<LightRay> starts = light_rays(options.light_paths, key);
     std::vector<VirtualLight> lights = virtual_lights(scene(), starts, settings.max_depth - 2, key);
     cost.lights = lights.size();
     cost.generation_seconds = watch.seconds();
     return lights;
+}
+
+/// By a sample of the light paths.
+std::size_t VirtualLightRenderer::Impl::bytes_of_lights() const {
+    constexpr std::size_t kSample = 4096;
+    std::size_t paths = kSample;
+    if (options.source == VirtualLightSource::kShadowMap) {
+        paths /= std::clamp<std::size_t>(scene().emitters.size(), 1, kSample);
+        const auto edge = static_cast<std::size_t>(std::sqrt(static_cast<double>(paths)));
+        paths = edge * edge;
+    }
+    const auto sample = std::min(options.light_paths, static_cast<std::uint32_t>(paths));
+    const std::vector<LightRay> rays = light_rays(sample, 0);
+    const std::size_t lights =
+        virtual_lights(scene(), rays, settings.max_depth - 2, 0).size() * bytes_per_light(options);
+    const double scale = static_cast<double>(options.light_paths) / sample;
+    return static_cast<std::size_t>(scale * static_cast<double>(size_of(rays) + lights)) +
+           cloud.memory_size();
 }
 
 /// The reach stays what the first pass's lights give: were it to follow those of each pass, the
@@ -207,6 +245,7 @@ VirtualLightRenderer::VirtualLightRenderer(std::shared_ptr<const Scene> scene,
     if (scene == nullptr) throw Error("renderer: there is no scene");
     check_depth(settings);
     check_for_virtual_lights(scene->impl());
+    if (options.source == VirtualLightSource::kShadowMap) check_shadow_map_sources(scene->impl());
     impl_ = std::make_unique<Impl>(std::move(scene), settings, options, std::move(sampler));
 }
 
@@ -245,12 +284,20 @@ RenderStats VirtualLightRenderer::stats() const {
 }
 
 const VirtualLightStats& VirtualLightRenderer::virtual_light_stats() const noexcept {
-    if (options.source == VirtualLightSource::kShadowMap) check_shadow_map_sources(scene->impl());
     return impl_->stats;
 }
 
 const std::vector<LightsOfPixel>& VirtualLightRenderer::lights_of_pixels() const noexcept {
     return impl_->of_pixels;
+}
+
+RendererMemory VirtualLightRenderer::memory_size() const noexcept {
+    return impl_->direct.memory_size();
+}
+
+VirtualLightMemory VirtualLightRenderer::virtual_light_memory() const {
+    return {impl_->arena.execute([&] { return impl_->bytes_of_lights(); }),
+            impl_->of_pixels.size() * kBytesPerPixel};
 }
 
 }  // namespace lightcull

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 import lightcull
-from conftest import make_room
+from conftest import QUAD, make_room, square
 
 Command = Callable[..., subprocess.CompletedProcess[str]]
 
@@ -48,6 +48,11 @@ def measured(command: Command, *arguments: str) -> int:
         ("lanterns", "--sampler", "culled:sets=256", "--size", "640x480"),
         ("lanterns", "--sampler", "light_bvh"),
         ("million",),
+        ("cornell", "--method", "vpl_all:lights=700000:shadows=none", "--size", "8x8"),
+        ("cornell", "--method", "vpl_culled:lights=700000"),
+        ("cornell", "--method", "vpl_culled:lights=50000:shadows=maps", "--size", "32x24"),
+        ("cornell", "--method", "vpl_grid:lights=700000", "--size", "32x24"),
+        ("cornell", "--method", "vpl_culled:lights=1000", "--size", "1600x1200"),
     ],
 )
 def test_a_render_takes_what_info_says(command: Command, arguments: tuple[str, ...]) -> None:
@@ -82,6 +87,27 @@ def test_a_million_lights_among_two_million_triangles_take_less_than_two_gibibyt
     assert lights > 1_000_000
     assert triangles > 2_000_000
     assert peak < 2 * 2**30
+
+
+@pytest.mark.parametrize("method", ["vpl_all", "vpl_culled:source=shadow_map", "vpl_grid"])
+def test_virtual_lights_for_which_there_is_no_memory(
+    monkeypatch: pytest.MonkeyPatch, method: str
+) -> None:
+    """Found out before anything is rendered."""
+    from lightcull import memory
+
+    monkeypatch.setattr(memory, "available", lambda: 2**30)
+    scene = lightcull.Scene("room")
+    scene.add_mesh(square(4, 0, facing_up=True), QUAD)
+    scene.add_spot_light((0, 2, 0), (0, -1, 0), (1, 1, 1), 0.1, 0.5)
+    many = f"{method}:lights={2**26}"
+    said = f"^{many}: its virtual lights need [0-9.]+ GiB of memory, and 1.0 GiB are free$"
+    with pytest.raises(lightcull.Error, match=said):
+        lightcull.render(scene, method=many, max_depth=3, spp=1, size=(8, 8))
+    with pytest.raises(lightcull.Error, match=said):
+        lightcull.compare_methods(scene, ["path", many], seconds=1e9, size=(8, 8))
+    with pytest.raises(lightcull.Error, match=f"^{method}: its image needs 1.[0-9] GiB of memory"):
+        lightcull.render(scene, method=method, max_depth=3, spp=1, size=(4096, 2048))
 
 
 def resident() -> int:

@@ -25,7 +25,7 @@ from ..methods import compare_methods
 from ..methods.run import MOST_LIGHTS
 from ..render import RenderJob, RenderSettings, render
 from ..scene import Scene
-from ..virtual_lights import PATH
+from ..virtual_lights import PATH, VirtualLightJob
 from . import bench, selftest
 from .bars import Bars
 from .texts import one_line
@@ -192,13 +192,21 @@ def _results(report: dict[str, Any]) -> Table:
 
 
 def _info(options: argparse.Namespace, arguments: Sequence[str], messages: Console) -> bool:
-    settings = RenderSettings(options.size or _SIZE, options.max_depth or _MAX_DEPTH, 0, 0)
+    by_paths = options.method == PATH
+    depth = options.max_depth or (_MAX_DEPTH if by_paths else _BOUNCED_DEPTH)
+    settings = RenderSettings(options.size or _SIZE, depth, 0, 0)
     with _warnings_to(messages):
         scene = _open_ours(options)
     # Before anything else takes memory that a render does not.
-    need = memory.of_render(RenderJob(scene, options.sampler, settings), settings.size)
+    job = (
+        RenderJob(scene, options.sampler, settings)
+        if by_paths
+        else VirtualLightJob(scene, options.method, options.sampler, settings)
+    )
+    need = memory.of_render(job, settings.size)
     table = Table(show_header=False, box=None)
-    memory_fact = ("memory", _memory(need, options.sampler, settings))
+    ways = options.sampler if by_paths else f"{options.sampler} and {options.method}"
+    memory_fact = ("memory", _memory(need, ways, settings))
     for name, value in (*_facts(scene), memory_fact, *_devices()):
         table.add_row(name, value)
     Console(highlight=False).print(table)
@@ -218,7 +226,7 @@ def _devices() -> Iterator[tuple[str, str]]:
         yield "no device" if problem else "device", what
 
 
-def _memory(need: memory.Need, sampler: str, settings: RenderSettings) -> str:
+def _memory(need: memory.Need, ways: str, settings: RenderSettings) -> str:
     width, height = settings.size
     parts = {
         "program": need.program,
@@ -228,8 +236,10 @@ def _memory(need: memory.Need, sampler: str, settings: RenderSettings) -> str:
         "image": need.image,
         "paths": need.paths,
     }
+    if need.virtual_lights:
+        parts["virtual lights"] = need.virtual_lights
     return (
-        f"{memory.text(need.peak)} at most to render {width}x{height} by {sampler}: "
+        f"{memory.text(need.peak)} at most to render {width}x{height} by {ways}: "
         + ", ".join(f"{name} {memory.text(size)}" for name, size in parts.items())
         + f"; {memory.text(need.setup)} while it is set up"
     )

@@ -48,10 +48,7 @@ def make_parser() -> argparse.ArgumentParser:
 
     render = add("render", "render a scene to an image", texts.RENDER)
     _add_sampler(render)
-    render.add_argument(
-        "--method", type=_method, default=PATH, metavar="METHOD",
-        help=f"{', '.join(METHODS)}, with options; default: {PATH}",
-    )  # fmt: skip
+    _add_method(render)
     render.add_argument("--view", help="of a .png: see through this view; default: the first")
     render.add_argument(
         "--exposure", type=_finite, metavar="STOPS", help="of a .png: brighten it; default: 0"
@@ -88,6 +85,7 @@ def make_parser() -> argparse.ArgumentParser:
     info = add("info", "say what is in a scene, and what memory it takes", texts.INFO)
     _add_scene(info)
     _add_sampler(info)
+    _add_method(info)
     _add_image(info)
     selftest = add("selftest", "check hard cases on this machine", texts.SELFTEST)
     selftest.add_argument("--json", metavar="FILE", help="file to write the results to")
@@ -108,6 +106,13 @@ def _add_sampler(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--sampler", type=_sampler, default="culled", metavar="SAMPLER", help="default: culled"
     )
+
+
+def _add_method(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--method", type=_method, default=PATH, metavar="METHOD",
+        help=f"{', '.join(METHODS)}, with options; default: {PATH}",
+    )  # fmt: skip
 
 
 def _add_image(parser: argparse.ArgumentParser) -> None:

@@ -119,6 +119,7 @@ examples:
   lightcull info lanterns
   lightcull info room.glb                                 also names what is not supported
   lightcull info city --size 3840x2160 --sampler light_bvh
+  lightcull info cornell --method vpl_culled:lights=1000000
 
 The memory is that of `lightcull render` with the same options, which is set up to find it out."""
 

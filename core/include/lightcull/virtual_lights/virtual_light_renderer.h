@@ -7,6 +7,7 @@
 #include <lightcull/samplers.h>
 
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string_view>
@@ -118,6 +119,13 @@ struct VirtualLightStats {
     std::uint64_t map_points = 0;  ///< points splatted into shadow maps
 };
 
+/// What a pass of virtual lights takes of memory at most, bytes; neither the scene nor direct light
+/// is in it.
+struct VirtualLightMemory {
+    std::size_t lights = 0;  ///< light paths, virtual lights and all that is made of them
+    std::size_t image = 0;   ///< the surfaces that pixels show, and their light
+};
+
 /// Virtual lights of a pixel, as in VirtualLightStats.
 struct LightsOfPixel {
     std::uint32_t listed = 0, accepted = 0;
@@ -149,6 +157,10 @@ class VirtualLightRenderer {
     const VirtualLightStats& virtual_light_stats() const noexcept;
     /// Row by row, over all passes; all 0 with kGrid.
     const std::vector<LightsOfPixel>& lights_of_pixels() const noexcept;
+    /// Of direct light.
+    RendererMemory memory_size() const noexcept;
+    /// An estimate, by the lights that some of the light paths give.
+    VirtualLightMemory virtual_light_memory() const;
 
   private:
     struct Impl;
