@@ -87,6 +87,11 @@ void check_emission(const std::string& name, const Mesh& mesh, std::size_t textu
 }
 
 void check_mesh(const std::string& name, const Mesh& mesh, const Scene::Impl& scene) {
+    constexpr std::size_t kMost = std::numeric_limits<std::uint32_t>::max() - 1;
+    if (scene.positions.size() + mesh.positions.size() > kMost ||
+        scene.triangles.size() + mesh.indices.size() / 3 > kMost) {
+        check::fail(name, "does not fit: a scene holds 2^32 positions and triangles");
+    }
     check_geometry(name, mesh);
     check::index(name + ": material", mesh.material, scene.materials.size(), "materials");
     const Material& m = scene.materials[mesh.material];
@@ -97,11 +102,6 @@ void check_mesh(const std::string& name, const Mesh& mesh, const Scene::Impl& sc
                     "has textures, and the mesh has no uvs");
     }
     check_emission(name, mesh, scene.textures.size());
-    constexpr std::size_t kMost = std::numeric_limits<std::uint32_t>::max() - 1;
-    if (scene.positions.size() + mesh.positions.size() > kMost ||
-        scene.triangles.size() + mesh.indices.size() / 3 > kMost) {
-        check::fail(name, "does not fit: a scene holds 2^32 positions and triangles");
-    }
 }
 
 /// Lights for the emissive triangles of the mesh that was added last.

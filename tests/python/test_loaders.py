@@ -244,6 +244,71 @@ def test_gltf_names_everything_that_is_not_supported(tmp_path: Path) -> None:
         assert lightcull.load(tmp_path / "a.glb").triangle_count == 4
 
 
+def test_gltf_names_the_rest_of_it_too(tmp_path: Path) -> None:
+    file = GltfFile()
+    texture = file.texture(np.zeros((1, 1, 3), np.uint8))
+    metallic_roughness = {"baseColorTexture": {**texture, "texCoord": 1}}
+    material = {"pbrMetallicRoughness": metallic_roughness, "occlusionTexture": texture}
+    morph = {"POSITION": file.accessor(np.zeros((4, 3), np.float32))}
+    file.node(mesh=file.quad(file.add("materials", material), targets=[morph]))
+    untextured = file.quad(0)
+    del file.document["meshes"][untextured]["primitives"][0]["attributes"]["TEXCOORD_0"]
+    file.node(mesh=untextured)
+    file.document["accessors"][0]["sparse"] = {"count": 0}
+    file.add("skins", {"joints": [0]})
+    file.document["scenes"].append({"nodes": [0]})
+    file.node(extensions=file.light(type="sun"))
+    message = warning_of(file.write(tmp_path / "a.glb"))
+    for thing in (
+        "occlusion maps (1)", "morph targets (1)", "skins (1)", "sparse accessors (1)",
+        "scenes besides the one shown (1)", "texture coordinates besides the first (1)",
+        "textures on meshes without texture coordinates (1)", "sun lights (1)",
+        "no camera: one is placed", "no light: the surroundings are made white",
+    ):  # fmt: skip
+        assert thing in message
+
+
+@pytest.mark.parametrize(
+    ("name", "shape", "said"),
+    [
+        ("TEXCOORD_0", (3, 2), "textures on meshes without texture coordinates (1)"),
+        ("TEXCOORD_0", (4, 4), "textures on meshes without texture coordinates (1)"),
+        ("NORMAL", (3, 3), "normals that are not one for each position (1)"),
+        ("NORMAL", (4, 2), "normals that are not one for each position (1)"),
+    ],
+)
+def test_gltf_attributes_that_do_not_fit_are_left_out(
+    tmp_path: Path, name: str, shape: tuple[int, int], said: str
+) -> None:
+    file = GltfFile()
+    texture = file.texture(np.zeros((1, 1, 3), np.uint8))
+    material = file.add("materials", {"pbrMetallicRoughness": {"baseColorTexture": texture}})
+    values = file.accessor(np.ones(shape, np.float32))
+    file.node(mesh=file.quad(material, attributes={name: values}))
+    assert said in warning_of(file.write(tmp_path / "a.glb"))
+
+
+@pytest.mark.parametrize("columns", [2, 4])
+def test_gltf_positions_have_three_coordinates(tmp_path: Path, columns: int) -> None:
+    file = GltfFile()
+    positions = file.accessor(np.ones((4, columns), np.float32))
+    file.node(mesh=file.quad(attributes={"POSITION": positions}))
+    with pytest.raises(lightcull.Error, match="mesh 'quad': is not made of triangles and of posit"):
+        lightcull.load(file.write(tmp_path / "a.glb"))
+
+
+@pytest.mark.parametrize("ending", ["obj", "ply"])
+def test_points_alone_are_nothing_to_render(tmp_path: Path, ending: str) -> None:
+    path = tmp_path / f"a.{ending}"
+    if ending == "obj":
+        path.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\n")
+    else:
+        path.write_text(PLY.split("element face")[0].format(colors="") + "end_header\n" + "0 0 0\n" * 3)
+    with warnings.catch_warnings(), pytest.raises(lightcull.Error, match="holds no triangles"):
+        warnings.simplefilter("ignore")
+        lightcull.load(path)
+
+
 def test_gltf_required_extensions_are_required(tmp_path: Path) -> None:
     file = emitting(emissiveFactor=[1, 1, 1])
     file.document["extensionsRequired"] = ["KHR_texture_transform", "KHR_lights_punctual"]
@@ -266,6 +331,10 @@ def test_gltf_image_that_cannot_be_read(tmp_path: Path) -> None:
     [
         ("a.glb", b"", "a.glb: is not a binary glTF file: too short"),
         ("a.glb", b"x" * 100, "a.glb: is not a binary glTF 2.0 file"),
+        ("a.glb", b"glTg\2\0\0\0\x18\0\0\0\4\0\0\0JSON{}  ", "a.glb: is not a binary glTF 2.0 file"),
+        ("a.glb", b"glTF\1\0\0\0\x18\0\0\0\4\0\0\0JSON{}  ", "a.glb: is not a binary glTF 2.0 file"),
+        ("a.glb", b"glTF\2\0\0\0\x18\0\0\0\4\0\0\0JSOM{}  ", "a.glb: is not a binary glTF 2.0 file"),
+        ("a.glb", b"glTF\2\0\0\0\x18\0\0\0\4\0\0\0JSON{}  ", "a.glb: holds no triangles"),
         ("a.gltf", b"{", "a.gltf: its JSON is broken"),
         ("a.gltf", b"[]", "a.gltf: its JSON is not an object"),
         ("a.gltf", b'{"meshes": [{}]}', "a.gltf: its JSON makes no sense: KeyError: 'primitives'"),
@@ -353,6 +422,20 @@ def test_obj_names_what_is_not_supported(tmp_path: Path) -> None:
         "missing file 'gone.png' (1)", "OBJ statement 'l' (2)", "mtllib after the first (1)",
     ):  # fmt: skip
         assert thing in message
+
+
+def test_obj_transparency_and_colours(tmp_path: Path) -> None:
+    Image.new("RGB", (2, 2)).save(tmp_path / "white.png")
+    path = write_obj(tmp_path, "newmtl m\nTr 0.5\nmap_Kd white.png\n")
+    assert "transparency of materials (1)" in warning_of(path)
+    lines = path.read_text().splitlines()
+    path.write_text("\n".join(f"{line} 1 0 0" if line[:2] == "v " else line for line in lines))
+    assert "colours of vertices or faces (1)" in warning_of(path)
+
+
+def test_obj_of_triangles_alone(tmp_path: Path) -> None:
+    (tmp_path / "a.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    assert "left out" not in warning_of(tmp_path / "a.obj")
 
 
 def test_obj_without_its_materials(tmp_path: Path) -> None:

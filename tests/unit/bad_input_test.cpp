@@ -207,6 +207,17 @@ TEST_CASE("bad input: descriptions that make no sense are named") {
         CAPTURE(description);
         CHECK_FALSE(error_of([&] { make_sampler(description, lights); }).empty());
     }
+    for (const char* name :
+         {"uniform", "power", "exhaustive", "light_bvh", "culled", "paper", "clamped"}) {
+        const std::string description = std::string(name) + ":unheard=1";
+        CHECK(says(error_of([&] { make_sampler(description, lights); }),
+                   "no option 'unheard' for " + std::string(name)));
+    }
+    for (const char* number : {"99999999999999", "-1", "1.5", "0x10", ""}) {
+        const std::string description = std::string("culled:group=") + number;
+        CHECK(says(error_of([&] { make_sampler(description, lights); }),
+                   std::string("group is '") + number + "', wanted a number"));
+    }
 }
 
 TEST_CASE("bad input: more lights than there may be") {
@@ -238,13 +249,17 @@ TEST_CASE("bad input: settings of renders that make no sense are named") {
     }
     CHECK(says(error([](auto& s) { s.max_depth = 0; }), "settings: max_depth is 0"));
     CHECK(error([](auto& s) { s.threads = 65536; }) == "settings: threads is above 65535");
-    CHECK(error([](auto& s) { s.direct_light = static_cast<DirectLight>(3); }) ==
-          "settings: direct_light is unknown");
+    for (const int unknown : {-1, 3}) {
+        CHECK(error([&](auto& s) { s.direct_light = static_cast<DirectLight>(unknown); }) ==
+              "settings: direct_light is unknown");
+    }
     const auto sampler = make_uniform_sampler({});
     for (const std::uint32_t depth : {0u, 65536u}) {
         CHECK(error_of([&] { path_points(*scene, {}, *sampler, depth); }) ==
               "path_points: depth is not in [1, 65535]");
     }
+    CHECK(error_of([&] { path_points(Scene(), {}, *sampler, 1); }) ==
+          "scene: commit() must come before rendering");
     CHECK(camera_points(*scene, {}, 0).empty());
 }
 

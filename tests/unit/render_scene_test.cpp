@@ -65,6 +65,13 @@ TEST_CASE("a mesh that is wrong is refused by name, field and index") {
     const std::vector<float3> faces{{1, 1, 1}, {0, -1, 0}};
     const std::vector<std::uint32_t> beyond{0, 1, 4}, four{0, 1, 2, 3};
     CHECK(mesh_error([](Mesh&) {}) == "nothing was thrown");
+    // Nobody looks at any of them before they are counted.
+    const Span<const float3> many_positions(two.data(), std::size_t{1} << 32);
+    const Span<const std::uint32_t> many_indices(four.data(), std::size_t{3} << 32);
+    const std::string too_many =
+        "mesh \"floor\" does not fit: a scene holds 2^32 positions and triangles";
+    CHECK(mesh_error([&](Mesh& m) { m.positions = many_positions; }) == too_many);
+    CHECK(mesh_error([&](Mesh& m) { m.indices = many_indices; }) == too_many);
     CHECK(mesh_error([&](Mesh& m) { m.positions = bad; }) ==
           "mesh \"floor\": positions[2] is not finite");
     CHECK(mesh_error([&](Mesh& m) { m.positions = far; }) ==
@@ -77,6 +84,13 @@ TEST_CASE("a mesh that is wrong is refused by name, field and index") {
           "mesh \"floor\": normals has 2 elements for 4 positions");
     CHECK(mesh_error([&](Mesh& m) { m.normals = bad; }) ==
           "mesh \"floor\": normals[2] is not finite");
+    const std::vector<float2> two_uvs(2);
+    CHECK(mesh_error([&](Mesh& m) { m.uvs = two_uvs; }) ==
+          "mesh \"floor\": uvs has 2 elements for 4 positions");
+    for (const float2 uv : {float2{kNan, 0}, float2{0, kNan}}) {
+        const std::vector<float2> uvs{{0, 0}, uv, {0, 0}, {0, 0}};
+        CHECK(mesh_error([&](Mesh& m) { m.uvs = uvs; }) == "mesh \"floor\": uvs[1] is not finite");
+    }
     CHECK(mesh_error([](Mesh& m) { m.material = 2; }) ==
           "mesh \"floor\": material is 2, but there are 2 materials");
     CHECK(mesh_error([](Mesh& m) { m.material = 1; }) ==
@@ -115,11 +129,39 @@ TEST_CASE("textures, materials, lights, environments and cameras are checked") {
               scene.add_spot_light({}, {1, 0, 0}, {1, 1, 1}, 0.3f, 0.2f);
           }) == "light 0, a spot: inner and outer are not 0 <= inner <= outer <= pi");
     CHECK(error_of([&] {
-              scene.set_environment({{1, 1, {{1, -1, 1}}}, {1, 1, 1}, 0.0f});
-          }) == "environment: map: texels[0] is negative");
+              scene.add_spot_light({0, kNan, 0}, {1, 0, 0}, {1, 1, 1}, 0.1f, 0.2f);
+          }) == "light 0, a spot: position is not finite");
+    CHECK(error_of([&] {
+              scene.add_spot_light({}, {1, kNan, 0}, {1, 1, 1}, 0.1f, 0.2f);
+          }) == "light 0, a spot: direction is not finite");
+    for (const float3 intensity : {float3{-1, 1, 1}, float3{1, 1, -1}}) {
+        CHECK(error_of([&] {
+                  scene.add_spot_light({}, {1, 0, 0}, intensity, 0.1f, 0.2f);
+              }) == "light 0, a spot: intensity is negative");
+    }
+    const auto environment_error = [&](float3 texel, float3 scale, float rotation) {
+        return error_of([&] { scene.set_environment({{1, 1, {texel}}, scale, rotation}); });
+    };
+    CHECK(environment_error({1, -1, 1}, {1, 1, 1}, 0.0f) ==
+          "environment: map: texels[0] is negative");
+    CHECK(environment_error({1, 1, 1}, {1, 1, -1}, 0.0f) == "environment: scale is negative");
+    CHECK(environment_error({1, 1, 1}, {1, 1, 1}, kNan) == "environment: rotation is not finite");
+    CHECK(environment_error({1e30f, 1, 1}, {1e30f, 1, 1}, 0.0f) ==
+          "environment: map times scale is not finite");
 
     CHECK(material_error([](Material& m) { m.base_color.y = 1.5f; }) ==
           "material 0: base_color.y is 1.500000, not in [0, 1]");
+    for (const float3 color : {float3{1.5f, 0, 0}, float3{0, 0, 1.5f}}) {
+        CHECK(material_error([&](Material& m) { m.base_color = color; }) ==
+              std::string("material 0: base_color.") + (color.x > 0 ? "x" : "z") +
+                  " is 1.500000, not in [0, 1]");
+    }
+    CHECK(material_error([](Material& m) { m.metallic = -1.0f; }) ==
+          "material 0: metallic is -1.000000, not in [0, 1]");
+    CHECK(material_error([](Material& m) { m.kind = static_cast<MaterialKind>(2); }) ==
+          "material 0: kind is unknown");
+    CHECK(material_error([](Material& m) { m.metallic_roughness_texture = 0; }) ==
+          "material 0: metallic_roughness_texture is texture 0, which has a texel above 1");
     CHECK(material_error([](Material& m) { m.roughness = kNan; }) ==
           "material 0: roughness is nan, not in [0, 1]");
     CHECK(material_error([](Material& m) { m.base_color_texture = 1; }) ==
@@ -131,8 +173,13 @@ TEST_CASE("textures, materials, lights, environments and cameras are checked") {
     CHECK(camera_error([](Camera& c) {
               c.up = {0, 0, -3};
           }) == "camera: up is parallel to the direction of view");
+    CHECK(camera_error([](Camera& c) { c.up = {0, 0, 0}; }) == "camera: up is 0");
+    CHECK(camera_error([](Camera& c) { c.focus_distance = 2e15f; }) ==
+          "camera: focus_distance is above 1e15");
     CHECK(camera_error([](Camera& c) { c.vertical_fov = 3.2f; }) ==
           "camera: vertical_fov is not in (0, pi)");
+    CHECK(camera_error([](Camera& c) { c.aperture_radius = kNan; }) ==
+          "camera: aperture_radius is not finite");
     CHECK(camera_error([](Camera& c) { c.aperture_radius = -1.0f; }) ==
           "camera: aperture_radius is negative");
     CHECK(camera_error([](Camera& c) { c.focus_distance = 0.0f; }) ==
@@ -151,6 +198,10 @@ TEST_CASE("a committed scene takes no more, and one that is not cannot be render
     CHECK(error_of([&] { scene->add_material({}); }) == refused);
     CHECK(error_of([&] { scene->add_mesh({}); }) == refused);
     CHECK(error_of([&] { scene->set_camera({}); }) == refused);
+    CHECK(error_of([&] { scene->set_environment(constant_environment(1.0f)); }) == refused);
+    CHECK(error_of([&] { scene->add_texture({}); }) == refused);
+    CHECK(error_of([&] { scene->add_point_light({}, {}); }) == refused);
+    CHECK(error_of([&] { scene->add_spot_light({}, {1, 0, 0}, {}, 0.1f, 0.2f); }) == refused);
     CHECK(error_of([&] { scene->commit(); }) == refused);
     CHECK(error_of([&] { Renderer(nullptr, settings, make_uniform_sampler({})); }) ==
           "renderer: there is no scene");

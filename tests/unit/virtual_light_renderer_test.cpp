@@ -321,13 +321,33 @@ TEST_CASE("virtual lights: bad input is refused, nothing to do is done") {
                          "virtual lights: material 1 has roughness 0: a perfect mirror sends light "
                          "to single points, which virtual lights cannot",
                          Error);
-    for (const char* method :
-         {"vpl", "vpl_all:accepted=3", "vpl_culled:lights=0", "vpl_culled:interleave=3",
-          "vpl_culled:shadows=soft", "vpl_clamped:volume=spheroid", "vpl_culled:lights=x",
-          "vpl_culled:source=shadow_map:lights=1000", "vpl_culled:error_bound=no",
-          "vpl_grid:shadows=maps", "vpl_culled:points=10", "vpl_all:shadows=maps:points=0",
-          "vpl_culled:tile=0", "vpl_culled:tile=65", "vpl_all:tile=4", "vpl_culled:culling=none",
-          "vpl_culled:culling=splatting", "vpl_culled:shadows=none:culling=splatting:tile=8"}) {
+    for (const char* method : {"vpl",
+                               "vpl_all:accepted=3",
+                               "vpl_culled:lights=0",
+                               "vpl_culled:interleave=3",
+                               "vpl_culled:shadows=soft",
+                               "vpl_clamped:volume=spheroid",
+                               "vpl_culled:lights=x",
+                               "vpl_culled:source=shadow_map:lights=1000",
+                               "vpl_culled:error_bound=no",
+                               "vpl_grid:shadows=maps",
+                               "vpl_culled:points=10",
+                               "vpl_all:shadows=maps:points=0",
+                               "vpl_culled:lights=67108865",
+                               "vpl_culled:shadows=maps:points=1048577",
+                               "vpl_grid:samples=0",
+                               "vpl_grid:samples=1025",
+                               "vpl_grid:alpha=0",
+                               "vpl_grid:alpha=inf",
+                               "vpl_culled:error_bound=-1",
+                               "vpl_clamped:exposure=inf",
+                               "vpl_culled:accepted=nan",
+                               "vpl_culled:tile=0",
+                               "vpl_culled:tile=65",
+                               "vpl_all:tile=4",
+                               "vpl_culled:culling=none",
+                               "vpl_culled:culling=splatting",
+                               "vpl_culled:shadows=none:culling=splatting:tile=8"}) {
         CAPTURE(method);
         CHECK_THROWS_AS(parse_virtual_light_method(method), Error);
     }
@@ -336,8 +356,11 @@ TEST_CASE("virtual lights: bad input is refused, nothing to do is done") {
         "reflective shadow map: only spots and the environment can have one, and "
         "something else emits",
         Error);
-    CHECK_THROWS_AS(renderer(scene, "vpl_culled:error_bound=-1", square_image(8, 3))->render_pass(),
-                    Error);
+    CHECK_THROWS_WITH_AS(VirtualLightRenderer(nullptr, square_image(8, 3), {}, nullptr),
+                         "renderer: there is no scene", Error);
+    const auto too_many =
+        renderer(scene, "vpl_culled:shadows=maps:points=1:lights=1000000", square_image(8, 3));
+    CHECK_THROWS_AS(too_many->render_pass(), Error);
 
     auto empty = std::make_shared<Scene>();
     empty->commit();

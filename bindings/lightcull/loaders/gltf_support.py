@@ -89,6 +89,12 @@ def _note_attributes(document: Json, primitive: Json, notes: Notes) -> None:
     notes.left_out("morph targets", int("targets" in primitive))
     if "TEXCOORD_0" in attributes and not _is_float(document, attributes["TEXCOORD_0"]):
         notes.left_out("texture coordinates that are not float")
+    if "NORMAL" in attributes and "POSITION" in attributes:
+        normals, positions = (
+            document["accessors"][attributes[name]] for name in ("NORMAL", "POSITION")
+        )
+        fit = normals["type"] == "VEC3" and normals["count"] == positions["count"]
+        notes.left_out("normals that are not one for each position", int(not fit))
 
 
 def _note_material(material: Json, notes: Notes) -> None:

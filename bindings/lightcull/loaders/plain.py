@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from collections import Counter
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -19,6 +20,9 @@ _OBJ_STATEMENTS = {"v", "vt", "vn", "f", "g", "o", "s", "usemtl", "mtllib"}
 """What is read, or changes nothing here (groups and smoothing)."""
 _MTL_STATEMENTS = {"kd", "map_kd", "ke", "map_ke", "ka", "ns", "ni", "illum", "d", "tr", "ks"}
 """What is read or looked at, or changes nothing without specular reflection."""
+_WORDS_OF_PLACE = 5
+"""Of `v x y z w` at most; colours follow `v x y z`."""
+_COLORS = "colours of vertices or faces"
 
 
 def fill_from_obj(path: Path, scene: Scene, notes: Notes) -> None:
@@ -29,7 +33,6 @@ def fill_from_obj(path: Path, scene: Scene, notes: Notes) -> None:
     parsed = parse(path, io.BytesIO(text.encode()), notes)
     surfaces: dict[tuple[str, bool], Surface] = {}
     for name, geometry in parsed.geometry.items():
-        _note_vertex_colors(geometry, notes)
         key = (_material_name(geometry), uvs_of(geometry) is not None)
         if key not in surfaces:
             surfaces[key] = _obj_surface(path, scene, geometry, notes)
@@ -39,11 +42,10 @@ def fill_from_obj(path: Path, scene: Scene, notes: Notes) -> None:
 def fill_from_ply(path: Path, scene: Scene, notes: Notes) -> None:
     """Fills a scene from a Stanford PLY file."""
     with path.open("rb") as stream:
-        _check_rows(stream)
+        _check_header(stream, notes)
         stream.seek(0)
         parsed = parse(path, stream, notes)
     for name, geometry in parsed.geometry.items():
-        _note_vertex_colors(geometry, notes)
         image = getattr(_material(geometry), "image", None)
         texture = scene.add_texture(texels_of("its texture", image)) if image is not None else None
         grey = 0.5 if texture is None else 1.0
@@ -54,16 +56,18 @@ def fill_from_ply(path: Path, scene: Scene, notes: Notes) -> None:
         add_geometry(scene, name, geometry, np.eye(4), Surface(material), notes)
 
 
-def _check_rows(stream: BinaryIO) -> None:
+def _check_header(stream: BinaryIO, notes: Notes) -> None:
     """Throws Error if a text file has less than its header promises, which trimesh does not mind."""
-    is_text, promised = False, 0
+    is_text, promised, has_colors = False, 0, False
     for line in stream:
         words = line.split()
         if words[:1] == [b"end_header"]:
             break
+        has_colors |= words[:1] == [b"property"] and words[-1] == b"red"
         is_text |= words[:2] == [b"format", b"ascii"]
         if words[:1] == [b"element"] and words[-1].isdigit():
             promised += int(words[-1])
+    notes.left_out(_COLORS, int(has_colors))
     rows = sum(bool(line.strip()) for line in stream) if is_text else promised
     if rows < promised:
         raise Error(f"cannot be read: its header promises {promised} rows, and there are {rows}")
@@ -78,18 +82,19 @@ def _material_name(geometry: Any) -> str:
 
 
 def _note_obj_statements(path: Path, notes: Notes) -> None:
+    found: Counter[str] = Counter()
+    has_colors = False
     with path.open(encoding="utf-8", errors="replace") as lines:
-        found = [line.split(maxsplit=1)[0] for line in lines if line[:1].isalpha()]
+        for line in lines:
+            if not line[:1].isalpha():
+                continue
+            words = line.partition("#")[0].split()
+            found[words[0]] += 1
+            has_colors |= words[0] == "v" and len(words) > _WORDS_OF_PLACE
     for statement in sorted(set(found) - _OBJ_STATEMENTS):
-        notes.left_out(f"OBJ statement {statement!r}", found.count(statement))
-    notes.left_out("mtllib after the first", found.count("mtllib") - 1)
-
-
-def _note_vertex_colors(geometry: Any, notes: Notes) -> None:
-    visual = getattr(geometry, "visual", None)
-    attributes = getattr(visual, "vertex_attributes", {})
-    if getattr(visual, "kind", None) in ("vertex", "face") or "color" in attributes:
-        notes.left_out("colours of vertices or faces")
+        notes.left_out(f"OBJ statement {statement!r}", found[statement])
+    notes.left_out("mtllib after the first", found["mtllib"] - 1)
+    notes.left_out(_COLORS, int(has_colors))
 
 
 def _obj_surface(path: Path, scene: Scene, geometry: Any, notes: Notes) -> Surface:
