@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import warnings
 from pathlib import Path
 
@@ -59,6 +60,16 @@ def test_gltf_emission(tmp_path: Path, ending: str) -> None:
     np.testing.assert_allclose(look(scene)[8, 8], [8, 4, 2], rtol=1e-5)
     assert scene.camera.vertical_fov == pytest.approx(1)
     np.testing.assert_allclose(scene.camera.origin, [0, 0, 2])
+
+
+def test_gltf_buffer_in_a_file_of_its_own(tmp_path: Path) -> None:
+    file = emitting(emissiveFactor=[1.0, 1.0, 1.0])
+    path = file.write(tmp_path / "a.gltf")
+    document = json.loads(path.read_text())
+    document["buffers"][0]["uri"] = "a.bin"
+    (tmp_path / "a.bin").write_bytes(file.data)
+    path.write_text(json.dumps(document))
+    assert len(load_quietly(path).lights()) == 2
 
 
 def test_gltf_emissive_texture_and_its_orientation(tmp_path: Path) -> None:
@@ -427,7 +438,9 @@ def test_obj_names_what_is_not_supported(tmp_path: Path) -> None:
 def test_obj_transparency_and_colours(tmp_path: Path) -> None:
     Image.new("RGB", (2, 2)).save(tmp_path / "white.png")
     path = write_obj(tmp_path, "newmtl m\nTr 0.5\nmap_Kd white.png\n")
-    assert "transparency of materials (1)" in warning_of(path)
+    message = warning_of(path)
+    assert "transparency of materials (1)" in message
+    assert "image" not in message
     lines = path.read_text().splitlines()
     path.write_text("\n".join(f"{line} 1 0 0" if line[:2] == "v " else line for line in lines))
     assert "colours of vertices or faces (1)" in warning_of(path)

@@ -91,8 +91,7 @@ def add_geometry(
     scene: Scene, name: str, geometry: Any, transform: np.ndarray, surface: Surface, notes: Notes
 ) -> None:
     """Adds one of a trimesh.Scene's geometries as its node places it."""
-    if not isinstance(geometry, trimesh.Trimesh):
-        notes.left_out("points and lines")
+    if not isinstance(geometry, trimesh.Trimesh):  # points, of a file that has nothing else
         return
     faces = np.asarray(geometry.faces)
     if faces.size == 0:
