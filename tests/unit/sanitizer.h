@@ -7,7 +7,7 @@ namespace lightcull::testing {
 /// do.
 #if defined(__SANITIZE_THREAD__)
 inline constexpr bool kThreadSanitizer = true;
-#elif defined(__has_feature)
+#elif defined(__clang__)
 inline constexpr bool kThreadSanitizer = __has_feature(thread_sanitizer);
 #else
 inline constexpr bool kThreadSanitizer = false;
