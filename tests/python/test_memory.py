@@ -51,7 +51,7 @@ def measured(command: Command, *arguments: str) -> int:
         ("cornell", "--method", "vpl_all:lights=700000:shadows=none", "--size", "8x8"),
         ("cornell", "--method", "vpl_culled:lights=700000"),
         ("cornell", "--method", "vpl_culled:lights=50000:shadows=maps", "--size", "32x24"),
-        ("cornell", "--method", "vpl_grid:lights=700000", "--size", "32x24"),
+        ("cornell", "--method", "vpl_grid:lights=200000:shadows=none", "--size", "32x24"),
         ("cornell", "--method", "vpl_culled:lights=1000", "--size", "1600x1200"),
     ],
 )
