@@ -27,7 +27,7 @@ std::unique_ptr<LightSampler> make_culled(Description& description, Span<const L
     options.set_count = suitable_set_count(lights.size(), context.points_per_pass);
     const bool has_glossy = std::any_of(lights.begin(), lights.end(),
                                         [](const Light& light) { return light.lobe_alpha > 0.0f; });
-    // Their sets have spheres of their own, not radii alone: ten times the memory and time.
+    // Their sets have spheres of their own, not radii alone: 55 bytes a light and set.
     constexpr std::uint32_t kSetsOfGlossy = 16;
     if (has_glossy) options.set_count = std::min(options.set_count, kSetsOfGlossy);
     description.take_number("sets", options.set_count);

@@ -91,8 +91,8 @@ def shadow_maps(bench: Bench) -> Study:
         f"with culling by range and {points[1]:.2f} without, time to {seconds[0]:.2f} and "
         f"{seconds[1]:.2f}.",
         note="As figure 7 of [TH16], with 8,192 points and 32 x 32 texels a map. Points that face "
-        "the light or lie below its surface are culled in both: they must be. Every point of a map "
-        f"is tested, and every map cleared, which is linear. {TIME} maps.",
+        "the light or lie below its surface are culled in both: they must be. Every map is "
+        f"cleared, which is linear. {TIME} maps.",
         table=Table(
             ("lights", "culled: points / light", "ms", "not culled: points / light", "ms",
              "not culled / culled, time"),

@@ -57,7 +57,8 @@ struct RangeOptions {
 /// Stochastic light culling: acceptance per light and not per vertex, resampling by g / p, no list,
 /// rotated sets; and lights that lie together share a range as a group, of which one is then chosen
 /// down a light BVH (ClusterImportance::kMeans). Measured on the example scenes, groups leave up to
-/// an eighth more error than single lights with as many of them accepted, for a third of the nodes.
+/// a fifth more error than single lights with as many of them accepted, for a third to half of the
+/// nodes.
 ///
 /// Where any light is a glossy point, each light has a range of its own, and that of a glossy or
 /// diffuse point depends on the direction ([TH17] Eqs. 2 to 5): it is accepted within a spheroid
