@@ -30,7 +30,7 @@ std::string error_of(const std::function<void()>& function) {
     try {
         function();
     } catch (const Error& error) {
-        const std::string message = error.what();
+        std::string message = error.what();
         CHECK(message.find('\n') == std::string::npos);
         return message;
     }
@@ -236,7 +236,7 @@ TEST_CASE("bad input: settings of renders that make no sense are named") {
         RenderSettings settings;
         spoil(settings);
         const auto sampler = make_uniform_sampler({});
-        const std::string message =
+        std::string message =
             error_of([&] { Renderer(scene, settings, make_uniform_sampler({})); });
         CHECK(error_of([&] { camera_points(*scene, settings, 1); }) == message);
         CHECK(error_of([&] { path_points(*scene, settings, *sampler, 1); }) == message);

@@ -103,6 +103,7 @@ TEST_CASE("every instruction set refits to the same radii, and walks the same no
     const BestAgain best_again;
     const LightTable table = make_light_table(mixed_lights(5000, 34, 8.0f));
     for (const std::uint32_t sets : {1u, 4u, 16u, 64u}) {
+        const std::vector<ShadingPoint> points = mixed_points(100, 35, sets);
         CullingTree scalar(table, RandomRanges(1e-2f, sets));
         use_instruction_set("scalar");
         scalar.begin_pass(7);
@@ -116,7 +117,7 @@ TEST_CASE("every instruction set refits to the same radii, and walks the same no
                     REQUIRE(tree.tree().radii(set)[slot] == scalar.tree().radii(set)[slot]);
                 }
             }
-            for (const ShadingPoint& point : mixed_points(100, 35, sets)) {
+            for (const ShadingPoint& point : points) {
                 const auto count = [&](const CullingTree& t) {
                     return t.for_each_accepted(t.frame().position(point.position), Receiver(point),
                                                point.set, [](const Accepted&) {});

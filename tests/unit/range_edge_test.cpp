@@ -87,11 +87,12 @@ class Edges {
              const std::vector<LightGroup>& groups, Pairs& pairs) const {
         const RangedLight& light = tree_.record(target);
         constexpr auto kSize = static_cast<int>(PointPacket::kSize);
+        constexpr int kMiddle = kSize / 2;
         const float ulp = std::nextafter(distance, 1e30f) - distance;
         PacketBuilder builder(set);
         float3 points[PointPacket::kSize];
         for (int i = 0; i < kSize; ++i) {
-            const float at = distance + static_cast<float>(i - kSize / 2) * ulp;
+            const float at = distance + static_cast<float>(i - kMiddle) * ulp;
             points[i] = light.center + direction * at;
             builder.add(LightBvhPoint(points[i], float3{0, 0, 0}), 0.5f);
         }
