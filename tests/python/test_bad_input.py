@@ -299,6 +299,7 @@ def test_an_image_that_is_black_says_so() -> None:
         ("--exposure", "nan"),
         ("--every", "0"),
         ("--every", "5"),
+        ("--variant", "scalar_rgb"),
         ("--sampler", ""),
         ("--sampler", "cul\nled"),
         ("--method", "vpl\nall"),

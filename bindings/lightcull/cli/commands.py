@@ -81,6 +81,8 @@ def _open(options: argparse.Namespace) -> Scene | MitsubaScene:
     """A scene of ours or, for an .xml file, of Mitsuba's, with the size and depth that it says."""
     is_xml = Path(options.scene).suffix.lower() == ".xml"
     if options.host is None and not is_xml:
+        if options.variant is not None:
+            raise Error(f"{options.scene}: --variant is for an .xml scene of Mitsuba's")
         options.size = options.size or _SIZE
         bounces = getattr(options, "method", PATH) != PATH or getattr(options, "methods", None)
         options.max_depth = options.max_depth or (_BOUNCED_DEPTH if bounces else _MAX_DEPTH)
@@ -89,9 +91,9 @@ def _open(options: argparse.Namespace) -> Scene | MitsubaScene:
         raise Error(f"{options.scene}: --host mitsuba is for an .xml scene of Mitsuba's")
     if options.virtual_lights is not None:
         raise Error(f"{options.scene}: --virtual-lights is not for a scene of Mitsuba's")
-    from ..mitsuba.scene import depth_of_file, load_file
+    from ..mitsuba.scene import DEFAULT_VARIANT, depth_of_file, load_file
 
-    scene = load_file(options.scene, options.variant)
+    scene = load_file(options.scene, options.variant or DEFAULT_VARIANT)
     options.size = options.size or scene.size
     options.max_depth = options.max_depth or depth_of_file(options.scene)
     return scene

@@ -192,7 +192,7 @@ def _add_shared(
         "--host", choices=["mitsuba"], help="renderer to use; default: mitsuba for an .xml"
     )
     parser.add_argument(
-        "--variant", default="scalar_rgb", help="of Mitsuba, for an .xml; default: scalar_rgb"
+        "--variant", help="of Mitsuba, for an .xml alone; default: scalar_rgb"
     )
     budget = parser.add_mutually_exclusive_group()
     budget.add_argument(

@@ -23,6 +23,7 @@ from .host import build_digest, mitsuba
 PATH = "path"
 """Mitsuba's own integrator, as one of the samplers."""
 ANY_DEPTH = 2**31 - 1
+DEFAULT_VARIANT = "scalar_rgb"
 _SECONDS_PER_PASS = 0.5
 """A pass is a render call, which has a set-up: it is made of as many samples as take this long, and
 more where the set-up is long."""
@@ -170,7 +171,7 @@ class NoCounts:
     lights_tested: float = math.nan
 
 
-def load_file(path: str | os.PathLike[str], variant: str = "scalar_rgb") -> MitsubaScene:
+def load_file(path: str | os.PathLike[str], variant: str = DEFAULT_VARIANT) -> MitsubaScene:
     """Loads an .xml scene, and sets Mitsuba's variant."""
     path, mi = Path(path), mitsuba()
     if not path.is_file():
