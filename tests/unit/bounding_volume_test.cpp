@@ -224,3 +224,43 @@ TEST_CASE("tiles: a tree finds the boxes that a list of them finds") {
         }
     }
 }
+
+TEST_CASE("tiles: boxes that only touch overlap") {
+    const AlignedBox box{V3f(0.0f), V3f(1.0f)};
+    const BoxTree tree({&box, 1});
+    for (int axis = 0; axis < 3; ++axis) {
+        for (const float place : {-0.001f, 0.0f, 1.0f, 1.001f}) {
+            V3f point(0.5f);
+            point[axis] = place;
+            int found = 0;
+            tree.for_overlapping({point, point}, [&](std::uint32_t) { ++found; });
+            CHECK(found == (place >= 0.0f && place <= 1.0f ? 1 : 0));
+        }
+    }
+}
+
+TEST_CASE("tiles: what lies between the near and the far points of a tile is culled") {
+    const CameraRays rays(Camera{}, 16, 16);
+    const auto at_depth = [&](float x, float depth) {
+        const Ray ray = rays.ray({8.0f + x, 8.0f}, {0.5f, 0.5f});
+        return ray.origin + ray.direction * depth;
+    };
+    std::vector<V3f> points;
+    for (const float depth : {1.0f, 1.2f, 2.8f, 3.0f}) {
+        for (const float x : {-1.0f, 1.0f}) {
+            points.push_back(rays.to_view(at_depth(x, depth) - rays.origin()));
+        }
+    }
+    const TileBounds bounds{Span<const V3f>(points)};
+    const auto overlapped = [&](float depth, float radius) {
+        const VolumeInView sphere({at_depth(0.0f, depth), V3f(0.0f, 0.0f, 1.0f), radius, radius},
+                                  rays);
+        return 2 * sphere.overlaps(bounds.piece(0)) + sphere.overlaps(bounds.piece(1));
+    };
+    CHECK(overlapped(0.5f, 0.3f) == 0);
+    CHECK(overlapped(1.1f, 0.3f) == 2);
+    CHECK(overlapped(2.0f, 0.3f) == 0);
+    CHECK(overlapped(2.9f, 0.3f) == 1);
+    CHECK(overlapped(2.0f, 1.0f) == 3);
+    CHECK(overlapped(3.5f, 0.3f) == 0);
+}
