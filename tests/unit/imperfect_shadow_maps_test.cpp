@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <limits>
+#include <set>
 #include <vector>
 
 using namespace render_support;
@@ -47,7 +48,8 @@ TEST_CASE("point cloud: every part is even by area") {
         CHECK(std::fabs(x / kPerMap) < 0.08);
         all_x += x;
     }
-    CHECK(std::fabs(all_x / kPerMap / kParts) < 0.02);  // they are not the same points
+    CHECK(std::fabs(all_x / kPerMap / kParts) < 0.02);
+    CHECK(cloud.part(0)[0].position != cloud.part(1)[0].position);
     CHECK(cloud.part(3)[0].radius ==
           doctest::Approx(std::sqrt(17.0 / render_support::kPi / kPerMap)));
 }
@@ -83,6 +85,29 @@ TEST_CASE("imperfect shadow maps: a plate casts a shadow") {
     CHECK(!maps.occluded(0, lights[0], {3.0f, 2.0f, 0}));
     CHECK(!maps.occluded(0, lights[0], {0, 3.0f, 5.0f}));
     CHECK(!maps.occluded(0, lights[0], {0.1f, 0.45f, 0}));
+    // The plate does not shade itself.
+    for (float x = -0.1f; x < 0.1f; x += 0.007f) {
+        CHECK(!maps.occluded(0, lights[0], {x, 0.5f, 0.03f}));
+    }
+}
+
+TEST_CASE("imperfect shadow maps: the shadow of a plate to one side lies on that side") {
+    Scene scene;
+    scene.add_material(diffuse(0.5f));
+    Shape shape;
+    shape.add_level_square({0.8f, 0.8f, 0.2f}, 0.3f, true);
+    scene.add_mesh(shape.mesh("plate", 0));
+    scene.commit();
+    const PointCloud cloud(scene.impl(), 1, kPerMap, 1);
+    const std::vector<VirtualLight> lights{light_at({0, 0, 0}, {0, 1, 0})};
+    const float ranges[] = {10.0f};
+    const ImperfectShadowMaps maps(lights, ranges, cloud, 1);
+    CHECK(maps.occluded(0, lights[0], {1.6f, 1.6f, 0.4f}));
+    CHECK(!maps.occluded(0, lights[0], {-1.6f, 1.6f, -0.4f}));
+    for (const float side : {-1.0f, 1.0f}) {
+        CHECK(!maps.occluded(0, lights[0], {0.4f * side, 1.6f, 1.6f}));
+        CHECK(!maps.occluded(0, lights[0], {0.4f * side, 1.6f, -1.6f}));
+    }
 }
 
 TEST_CASE("imperfect shadow maps: points are culled by range and facing") {
@@ -97,6 +122,29 @@ TEST_CASE("imperfect shadow maps: points are culled by range and facing") {
     CHECK(splatted(above, far) == 0);
     CHECK(splatted(below, far) == kPerMap);
     CHECK(splatted(below, near) == 0);
+    // With all that turns its back on it below its surface.
+    const std::vector<VirtualLight> between{light_at({0, 0.25f, 0}, {0, -1, 0})};
+    CHECK(splatted(between, far) == 0);
+}
+
+TEST_CASE("imperfect shadow maps: a map has the points of one part in range, not always the same") {
+    const auto cloud = cloud_of_plate_and_floor();
+    const std::vector<VirtualLight> below{light_at({0, -1, 0}, {0, 1, 0})};
+    const float ranges[] = {1.8f};
+    std::set<std::uint64_t> of_parts, found;
+    for (std::size_t part = 0; part < kParts; ++part) {
+        std::uint64_t in_range = 0;
+        for (const CloudPoint& point : cloud.part(part)) {
+            in_range += (point.position - below[0].position).length() < ranges[0] ? 1 : 0;
+        }
+        of_parts.insert(in_range);
+    }
+    for (std::uint64_t key = 0; key < 8; ++key) {
+        const std::uint64_t splatted = ImperfectShadowMaps(below, ranges, cloud, key).splatted();
+        CHECK(of_parts.count(splatted) == 1);
+        found.insert(splatted);
+    }
+    CHECK(found.size() > 1);
 }
 
 TEST_CASE("imperfect shadow maps: without geometry nothing is dark") {
