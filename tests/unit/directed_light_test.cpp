@@ -295,7 +295,9 @@ TEST_CASE("the test above sees a probability that is wrong by a fifth, and const
 }
 
 TEST_CASE("with glossy points prob() equals what select() says, and a batch single calls") {
-    const std::vector<Light> lights = glossy_lights(500, 41, 1e-2f);
+    std::vector<Light> lights = glossy_lights(500, 41, 1e-2f);
+    constexpr std::uint32_t kUnlit = 8;
+    lights[kUnlit].intensity = 0.0f;
     for (const char* description :
          {"culled", "culled:accepted=2:sets=4", "culled:group=1", "exhaustive", "light_bvh",
           "light_bvh:importance=means", "paper:test=light:list=0:weight=g_over_p"}) {
@@ -313,6 +315,7 @@ TEST_CASE("with glossy points prob() equals what select() says, and a batch sing
             CHECK(s.light == batch[i].light);
             CHECK(s.prob == batch[i].prob);
             if (!(s.prob > 0.0f)) continue;
+            CHECK(s.light != kUnlit);
             ++chosen;
             CHECK(sampler->prob(points[i], s.receipt, s.light) == s.prob);
         }
