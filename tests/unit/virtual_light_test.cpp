@@ -6,8 +6,10 @@
 
 #include <doctest/doctest.h>
 
+#include <array>
 #include <cmath>
 #include <memory>
+#include <set>
 #include <vector>
 
 using namespace render_support;
@@ -30,6 +32,12 @@ std::shared_ptr<Scene> box(float albedo) {
     walls.add_quad({-1, -1, -1}, {1, -1, -1}, {1, 1, -1}, {-1, 1, -1});
     walls.add_quad({1, -1, 1}, {-1, -1, 1}, {-1, 1, 1}, {1, 1, 1});
     scene->add_mesh(walls.mesh("walls", 0));
+    return scene;
+}
+
+std::shared_ptr<Scene> box_with_point() {
+    auto scene = box(0.5f);
+    scene->add_point_light({0, 0, 0}, {1, 1, 1});
     return scene;
 }
 
@@ -99,6 +107,115 @@ TEST_CASE("virtual lights: each bounce keeps the albedo of the flux, in lights a
     const statistics::Estimate found = three.estimate();
     CHECK(std::sqrt(found.variance) < 0.005 * found.mean);
     CHECK(statistics::p_of_z(statistics::z_of(found, exact)) > statistics::least_p());
+}
+
+TEST_CASE(
+    "virtual lights: each emitter sends rays in proportion to its power, and where it shines") {
+    auto scene = std::make_shared<Scene>();
+    scene->add_material(diffuse(0.5f));
+    Shape one_sided, two_sided;
+    one_sided.add_level_square({0, 2, 0}, 0.5f, false);
+    two_sided.add_level_square({0, 4, 0}, 0.5f, true);
+    Emission both = emission(2.0f);
+    both.two_sided = true;
+    scene->add_mesh(one_sided.mesh("one-sided", 0, emission(3.0f)));
+    scene->add_mesh(two_sided.mesh("two-sided", 0, both));
+    const V3f point(5, 5, 5), spot(-5, -5, -5), axis(0, 0.6f, 0.8f);
+    scene->add_point_light({5, 5, 5}, {1, 1, 1});
+    scene->add_spot_light({-5, -5, -5}, {0, 0.6f, 0.8f}, {9, 9, 9}, 0.3f, 0.7f);
+    scene->set_environment(constant_environment(0.02f));
+    scene->commit();
+
+    enum Kind { kOneSided, kTwoSided, kPoint, kSpot, kEnvironment, kKinds };
+    const auto kind_of = [&](const V3f& origin) {
+        if (origin == point) return kPoint;
+        if (origin == spot) return kSpot;
+        const bool is_above_lamps = std::fabs(origin.x) <= 0.5f && std::fabs(origin.z) <= 0.5f;
+        if (is_above_lamps && std::fabs(origin.y - 2.0f) < 0.01f) return kOneSided;
+        if (is_above_lamps && std::fabs(origin.y - 4.0f) < 0.01f) return kTwoSided;
+        return kEnvironment;
+    };
+    constexpr std::uint32_t kCount = 200000;
+    const EmissionTable table(scene->impl());
+    double number[kKinds] = {}, flux[kKinds] = {}, height[kKinds] = {}, above[kKinds] = {};
+    V3f sum(0.0f);
+    for (const lightcull::LightRay& ray : emit(table, kCount, 1)) {
+        const Kind kind = kind_of(ray.ray.origin);
+        const V3f& way = ray.ray.direction;
+        CHECK(way.length() == doctest::Approx(1.0));
+        number[kind] += 1.0;
+        flux[kind] += static_cast<double>(ray.flux.x);
+        height[kind] += static_cast<double>(kind == kSpot ? way.dot(axis) : std::fabs(way.y));
+        above[kind] += way.y > 0.0f ? 1.0 : 0.0;
+        if (kind == kPoint) sum += way;
+    }
+    // Of some thousands of rays each: 5 standard errors and more, as for all that follows.
+    for (int kind = 0; kind < kKinds; ++kind) {
+        CAPTURE(kind);
+        REQUIRE(number[kind] > 4000.0);
+        CHECK(flux[kind] / number[kind] / (flux[kPoint] / number[kPoint]) ==
+              doctest::Approx(1.0).epsilon(0.015));
+        height[kind] /= number[kind];
+        above[kind] /= number[kind];
+    }
+    CHECK(flux[kPoint] == doctest::Approx(4.0 * kPiDouble).epsilon(0.05));
+    CHECK(std::fabs(height[kPoint] - 0.5) < 0.03);
+    CHECK(static_cast<double>(sum.length()) < 0.06 * number[kPoint]);
+    CHECK(std::fabs(height[kSpot] - 0.5 * (1.0 + std::cos(0.7))) < 0.01);
+    CHECK(std::fabs(height[kOneSided] - 2.0 / 3.0) < 0.03);
+    CHECK(above[kOneSided] == 0.0);
+    CHECK(std::fabs(height[kTwoSided] - 2.0 / 3.0) < 0.03);
+    CHECK(std::fabs(above[kTwoSided] - 0.5) < 0.04);
+}
+
+TEST_CASE("virtual lights: a textured lamp sends light from where it is bright") {
+    auto scene = std::make_shared<Scene>();
+    scene->add_material(diffuse(0.5f));
+    Texture half{4, 1, {{0, 0, 0}, {0, 0, 0}, {1, 1, 1}, {1, 1, 1}}};
+    Emission textured = emission(1.0f);
+    textured.texture = scene->add_texture(half);
+    Shape lamp;
+    lamp.add_quad({0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0});
+    const float2 uvs[] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+    Mesh mesh = lamp.mesh("lamp", 0, textured);
+    mesh.uvs = uvs;
+    scene->add_mesh(mesh);
+    scene->commit();
+    int dark = 0, bright = 0;
+    for (const lightcull::LightRay& ray : emit(EmissionTable(scene->impl()), 2000, 1)) {
+        const float x = ray.ray.origin.x;
+        // Away from where texels are blended.
+        if (x > 0.15f && x < 0.35f) CHECK((++dark, ray.flux.x) == 0.0f);
+        if (x > 0.65f && x < 0.85f) CHECK((++bright, ray.flux.x) > 0.0f);
+    }
+    CHECK(dark > 100);
+    CHECK(bright > 100);
+}
+
+TEST_CASE("virtual lights: paths that begin alike part, and lights lie along a curve") {
+    auto scene = box(0.9f);
+    scene->add_point_light({0, 0, 0}, {1, 1, 1});
+    scene->commit();
+    // As many as several tasks have.
+    const lightcull::LightRay down{{V3f(0.0f), V3f(0.0f, -1.0f, 0.0f)}, V3f(1.0f)};
+    const std::vector<lightcull::LightRay> starts(10000, down);
+    std::set<std::array<float, 3>> places;
+    std::size_t second = 0;
+    for (const VirtualLight& light : virtual_lights(scene->impl(), starts, 2, 1)) {
+        const V3f& p = light.position;
+        if (p.y < -0.999f && p.x == 0.0f && p.z == 0.0f) continue;
+        ++second;
+        places.insert({p.x, p.y, p.z});
+    }
+    CHECK(second > 8000);
+    CHECK(places.size() + 10 > second);
+
+    const std::vector<VirtualLight> lights = lights_of(*box_with_point(), kPaths, 1);
+    double steps = 0.0;
+    for (std::size_t i = 1; i < lights.size(); ++i) {
+        steps += static_cast<double>((lights[i].position - lights[i - 1].position).length());
+    }
+    CHECK(steps / static_cast<double>(lights.size()) < 0.1);
 }
 
 TEST_CASE("virtual lights: a constant environment gives a sphere pi times its area") {
