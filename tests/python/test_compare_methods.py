@@ -121,3 +121,17 @@ def test_arguments_that_make_no_sense_are_named(
 ) -> None:
     with pytest.raises(kind, match=message):
         lightcull.compare_methods(**{"scene": make_room(), "methods": ["path"], **options})
+
+
+def test_a_heat_map_is_blue_where_all_lights_count_and_red_where_none_does() -> None:
+    lights = np.array([[[7.0, 7.0], [7.0, 0.0], [0.0, 0.0], [1.0, 0.5]]])
+    blue, red, none, half = volumes.heat_map(lights, 7.0)[0]
+    assert blue == pytest.approx([0, 0, 1])
+    assert red == pytest.approx([1, 0, 0])
+    assert none == pytest.approx([0, 0, 0])
+    assert half == pytest.approx([0, 1 / 3, 0], abs=1e-6)
+
+
+def test_errors_are_relative_to_the_mean_of_the_reference() -> None:
+    reference = np.array([1.0, 7.0])
+    assert measure.relative_rmse(reference + [2.0, -2.0], reference) == pytest.approx(0.5)

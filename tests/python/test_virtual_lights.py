@@ -167,3 +167,12 @@ def test_virtual_lights_are_part_of_what_a_scene_is_known_by() -> None:
     with pytest.raises(lightcull.Error, match="nothing can be changed after commit"):
         plain.lights()
         plain.add_virtual_lights(10)
+
+
+def test_more_bounces_leave_more_virtual_lights() -> None:
+    def number(bounces: int) -> int:
+        scene = glossy_room()
+        scene.add_virtual_lights(2000, bounces=bounces)
+        return int(scene.counts["virtual lights"])
+
+    assert number(1) * 1.05 < number(2)
