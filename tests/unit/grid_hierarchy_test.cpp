@@ -116,7 +116,7 @@ TEST_CASE("grid: blending is a partition of unity") {
             if (level > 0 && distance <= 0.5f * r) CHECK(share == 0.0f);
             if (level < grid.level_count() && distance >= 2.0f * r) CHECK(share == 0.0f);
         }
-        CHECK(sum == doctest::Approx(1.0).epsilon(1e-5));
+        CHECK(sum == doctest::Approx(1.0).scale(0.0).epsilon(1e-5));
     }
     for (std::uint32_t level = 0; level <= grid.level_count(); ++level) {
         const bool has_hat = level > 0 && level < grid.level_count();
@@ -172,12 +172,12 @@ TEST_CASE("grid: a light stands for others by their variance and the spread of t
         sum.add(moments_of(light), 1.0);
     }
     const GridLight all = light_of(sum);
-    CHECK(all.position.x == doctest::Approx(1.0).epsilon(0.02));
-    CHECK(all.deviation.x == doctest::Approx(2.0 / std::sqrt(12.0)).epsilon(0.02));
-    CHECK(all.deviation.y == doctest::Approx(1.0 / std::sqrt(12.0)).epsilon(0.02));
+    CHECK(all.position.x == doctest::Approx(1.0).scale(0.0).epsilon(0.02));
+    CHECK(all.deviation.x == doctest::Approx(2.0 / std::sqrt(12.0)).scale(0.0).epsilon(0.02));
+    CHECK(all.deviation.y == doctest::Approx(1.0 / std::sqrt(12.0)).scale(0.0).epsilon(0.02));
     CHECK(all.deviation.z == doctest::Approx(0.0));
     // Directions alike: a quarter of the peak.
-    CHECK(intensity(all, V3f(0, 1, 0)).x == doctest::Approx(5000.0).epsilon(0.03));
+    CHECK(intensity(all, V3f(0, 1, 0)).x == doctest::Approx(5000.0).scale(0.0).epsilon(0.03));
 
     VirtualLight flat{};
     flat.normal = V3f(0, 1, 0);
@@ -242,7 +242,8 @@ TEST_CASE("grid: shadow samples give the shadows of all lights in the mean") {
         for (std::size_t i = 0; i < mean.size(); ++i) mean[i] += pixels[i] / kPasses;
     }
     CHECK(difference(unshadowed, all) > 0.08);
-    CHECK(mean_luminance_of(mean) == doctest::Approx(mean_luminance_of(all)).epsilon(0.005));
+    CHECK(mean_luminance_of(mean) ==
+          doctest::Approx(mean_luminance_of(all)).scale(0.0).epsilon(0.005));
     CHECK(difference(mean, all) < 0.015);
 }
 

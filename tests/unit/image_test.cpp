@@ -128,10 +128,10 @@ TEST_CASE("image: a half EXR keeps 11 bits and clamps what halves cannot hold") 
     const Image image{2, 1, {{0.1f, 3.14159f, 1234.5f}, {1e9f, -1e9f, 0.0f}}};
     lightcull::write_exr(folder / "a.exr", image, PixelType::kHalf);
     const Image read = lightcull::read_image(folder / "a.exr");
-    CHECK(read.pixels[0].x == doctest::Approx(0.1f).epsilon(1.0 / 2048));
+    CHECK(read.pixels[0].x == doctest::Approx(0.1f).scale(0.0).epsilon(1.0 / 2048));
     CHECK(read.pixels[0].x != 0.1f);
-    CHECK(read.pixels[0].y == doctest::Approx(3.14159f).epsilon(1.0 / 2048));
-    CHECK(read.pixels[0].z == doctest::Approx(1234.5f).epsilon(1.0 / 2048));
+    CHECK(read.pixels[0].y == doctest::Approx(3.14159f).scale(0.0).epsilon(1.0 / 2048));
+    CHECK(read.pixels[0].z == doctest::Approx(1234.5f).scale(0.0).epsilon(1.0 / 2048));
     CHECK(read.pixels[1].x == 65504.0f);
     CHECK(read.pixels[1].y == -65504.0f);
 }
@@ -162,8 +162,8 @@ TEST_CASE("image: 8-bit values are sRGB, or data if one says so") {
     const Image linear = lightcull::read_image(folder / "a.png");
     CHECK(linear.pixels[0].x == 0.0f);
     CHECK(linear.pixels[1].x ==
-          doctest::Approx(std::pow((128.0 / 255 + 0.055) / 1.055, 2.4)).epsilon(1e-4));
-    CHECK(linear.pixels[1].z == doctest::Approx(5.0 / 255 / 12.92).epsilon(1e-4));
+          doctest::Approx(std::pow((128.0 / 255 + 0.055) / 1.055, 2.4)).scale(0.0).epsilon(1e-4));
+    CHECK(linear.pixels[1].z == doctest::Approx(5.0 / 255 / 12.92).scale(0.0).epsilon(1e-4));
     CHECK(linear.pixels[2].x == doctest::Approx(1.0));
 }
 
@@ -247,11 +247,12 @@ TEST_CASE("image: the sRGB view is the sRGB curve") {
         return lightcull::apply_view(one_pixel(pixel), "srgb", stops).pixels[0];
     };
     CHECK(view({0, 0, 0}).x == doctest::Approx(0.0).epsilon(1e-4));
-    CHECK(view({1, 1, 1}).y == doctest::Approx(1.0).epsilon(1e-4));
-    CHECK(view({0.18f, 0.18f, 0.18f}).z == doctest::Approx(0.461356).epsilon(1e-3));
-    CHECK(view({0.09f, 0.09f, 0.09f}, 1.0f).z == doctest::Approx(0.461356).epsilon(1e-3));
+    CHECK(view({1, 1, 1}).y == doctest::Approx(1.0).scale(0.0).epsilon(1e-4));
+    CHECK(view({0.18f, 0.18f, 0.18f}).z == doctest::Approx(0.461356).scale(0.0).epsilon(1e-3));
+    CHECK(view({0.09f, 0.09f, 0.09f}, 1.0f).z ==
+          doctest::Approx(0.461356).scale(0.0).epsilon(1e-3));
     const float3 red = view({1, 0, 0});
-    CHECK(red.x == doctest::Approx(1.0).epsilon(1e-3));
+    CHECK(red.x == doctest::Approx(1.0).scale(0.0).epsilon(1e-3));
     CHECK(red.y < 0.01f);
     CHECK(red.z < 0.01f);
 }
@@ -261,8 +262,8 @@ TEST_CASE("image: the ACES view rolls highlights off and keeps grey grey") {
     const auto grey = [](float value) {
         const float3 pixel =
             lightcull::apply_view(one_pixel({value, value, value}), "aces").pixels[0];
-        CHECK(pixel.x == doctest::Approx(pixel.y).epsilon(2e-3));
-        CHECK(pixel.y == doctest::Approx(pixel.z).epsilon(2e-3));
+        CHECK(pixel.x == doctest::Approx(pixel.y).scale(0.0).epsilon(2e-3));
+        CHECK(pixel.y == doctest::Approx(pixel.z).scale(0.0).epsilon(2e-3));
         return pixel.y;
     };
     CHECK(grey(0.0f) == doctest::Approx(0.0).epsilon(1e-3));
@@ -338,9 +339,10 @@ TEST_CASE("image: $OCIO brings the views of its default display") {
     CHECK(lightcull::view_names() == std::vector<std::string>{"full", "half"});
     const Image image = one_pixel({0.5f, 0.25f, 0.0f});
     const float3 full = lightcull::apply_view(image, "full").pixels[0];
-    CHECK(full.x == doctest::Approx(std::sqrt(0.5)).epsilon(1e-4));
-    CHECK(full.y == doctest::Approx(0.5).epsilon(1e-4));
-    CHECK(lightcull::apply_view(image, "half").pixels[0].x == doctest::Approx(0.5).epsilon(1e-4));
+    CHECK(full.x == doctest::Approx(std::sqrt(0.5)).scale(0.0).epsilon(1e-4));
+    CHECK(full.y == doctest::Approx(0.5).scale(0.0).epsilon(1e-4));
+    CHECK(lightcull::apply_view(image, "half").pixels[0].x ==
+          doctest::Approx(0.5).scale(0.0).epsilon(1e-4));
     CHECK(contains(error_of([&] { lightcull::apply_view(image, "aces"); }), "full, half"));
 }
 

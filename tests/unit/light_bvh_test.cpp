@@ -229,7 +229,7 @@ TEST_CASE("light bvh: the orientation measure is the integral of the emission") 
             const double angle = (k + 0.5) * kPi / kSteps;
             sum += 2.0 * kPi * std::sin(angle) * profile(cone, angle) * kPi / kSteps;
         }
-        CHECK(orientation_measure(cone) == doctest::Approx(sum).epsilon(2e-3));
+        CHECK(orientation_measure(cone) == doctest::Approx(sum).scale(0.0).epsilon(2e-3));
     }
 }
 
@@ -243,7 +243,7 @@ TEST_CASE("light bvh: a merged cone holds the directions of both") {
         if (i % 11 == 0) b.axis = -a.axis;
         const EmissionCone both = merge(a, b);
         CHECK(both.theta_e == std::max(a.theta_e, b.theta_e));
-        CHECK(length(both.axis) == doctest::Approx(1.0f).epsilon(1e-4));
+        CHECK(length(both.axis) == doctest::Approx(1.0f).scale(0.0).epsilon(1e-4));
         for (const EmissionCone& one : {a, b}) {
             for (int k = 0; k < 10; ++k) {
                 const float angle = one.theta_o * (k == 0 ? 1.0f : random.next());
@@ -287,15 +287,16 @@ TEST_CASE("light bvh: bounds and sums of clusters are those of their lights") {
                 REQUIRE(holds(cluster.cone, leaf.cone.axis, cluster.cone.theta_o));
             }
         }
-        REQUIRE(static_cast<double>(cluster.intensity) == doctest::Approx(intensity).epsilon(1e-4));
+        REQUIRE(static_cast<double>(cluster.intensity) ==
+                doctest::Approx(intensity).scale(0.0).epsilon(1e-4));
         REQUIRE(static_cast<double>(cluster.mean_emission) ==
-                doctest::Approx(flux / intensity).epsilon(1e-4));
+                doctest::Approx(flux / intensity).scale(0.0).epsilon(1e-4));
         REQUIRE(static_cast<double>(cluster.center.x) ==
-                doctest::Approx(center[0] / intensity).epsilon(1e-4));
+                doctest::Approx(center[0] / intensity).scale(0.0).epsilon(1e-4));
         REQUIRE(static_cast<double>(cluster.center.y) ==
-                doctest::Approx(center[1] / intensity).epsilon(1e-4));
+                doctest::Approx(center[1] / intensity).scale(0.0).epsilon(1e-4));
         REQUIRE(static_cast<double>(cluster.center.z) ==
-                doctest::Approx(center[2] / intensity).epsilon(1e-4));
+                doctest::Approx(center[2] / intensity).scale(0.0).epsilon(1e-4));
         REQUIRE(length(cluster.mean_normal) <= 1.0f + 1e-5f);
     }
 }
@@ -383,7 +384,7 @@ TEST_CASE_TEMPLATE(
         for (const ShadingPoint& point : mixed_points(100, 7, 1)) {
             const AllProbs all(bvh, local(table, point));
             const double sum = std::accumulate(all.of.begin(), all.of.end(), 0.0);
-            REQUIRE(sum + all.lost == doctest::Approx(1.0).epsilon(1e-12));
+            REQUIRE(sum + all.lost == doctest::Approx(1.0).scale(0.0).epsilon(1e-12));
             for (std::uint32_t i = 0; i < count; ++i) {
                 REQUIRE(sampler->prob(point, {}, i) == static_cast<float>(all.of[i]));
             }

@@ -86,7 +86,9 @@ TEST_CASE("virtual lights: in a closed box all flux of the emitters arrives") {
         scene->add_spot_light({0, 0, 0}, {1, 2, 3}, {4, 4, 4}, 0.3f, 0.7f);
         const double ramp = (std::cos(0.3) - std::cos(0.7)) / 3.0;
         CHECK(flux(lights_of(*scene, kPaths, 1), 0.5) ==
-              doctest::Approx(2.0 * kPiDouble * 4.0 * (1.0 - std::cos(0.3) + ramp)).epsilon(0.02));
+              doctest::Approx(2.0 * kPiDouble * 4.0 * (1.0 - std::cos(0.3) + ramp))
+                  .scale(0.0)
+                  .epsilon(0.02));
     }
 }
 
@@ -154,11 +156,11 @@ TEST_CASE(
         CAPTURE(kind);
         REQUIRE(number[kind] > 4000.0);
         CHECK(flux[kind] / number[kind] / (flux[kPoint] / number[kPoint]) ==
-              doctest::Approx(1.0).epsilon(0.015));
+              doctest::Approx(1.0).scale(0.0).epsilon(0.015));
         height[kind] /= number[kind];
         above[kind] /= number[kind];
     }
-    CHECK(flux[kPoint] == doctest::Approx(4.0 * kPiDouble).epsilon(0.05));
+    CHECK(flux[kPoint] == doctest::Approx(4.0 * kPiDouble).scale(0.0).epsilon(0.05));
     CHECK(std::fabs(height[kPoint] - 0.5) < 0.03);
     CHECK(static_cast<double>(sum.length()) < 0.06 * number[kPoint]);
     CHECK(std::fabs(height[kSpot] - 0.5 * (1.0 + std::cos(0.7))) < 0.01);
@@ -227,7 +229,7 @@ TEST_CASE("virtual lights: a constant environment gives a sphere pi times its ar
     scene->set_environment(constant_environment(2.0f));
     const double sphere = 4.0 * kPiDouble;
     CHECK(flux(lights_of(*scene, 4 * kPaths, 1), 0.5) ==
-          doctest::Approx(2.0 * kPiDouble * sphere).epsilon(0.02));
+          doctest::Approx(2.0 * kPiDouble * sphere).scale(0.0).epsilon(0.02));
 }
 
 TEST_CASE("virtual lights: a reflective shadow map holds the flux of its spot") {
@@ -238,8 +240,9 @@ TEST_CASE("virtual lights: a reflective shadow map holds the flux of its spot") 
     const auto lights = virtual_lights(scene->impl(), rays, 1, 1);
     CHECK(lights.size() == 64 * 64);
     const double ramp = (std::cos(0.3) - std::cos(0.7)) / 3.0;
-    CHECK(flux(lights, 0.5) ==
-          doctest::Approx(2.0 * kPiDouble * 4.0 * (1.0 - std::cos(0.3) + ramp)).epsilon(1e-3));
+    CHECK(flux(lights, 0.5) == doctest::Approx(2.0 * kPiDouble * 4.0 * (1.0 - std::cos(0.3) + ramp))
+                                   .scale(0.0)
+                                   .epsilon(1e-3));
 
     auto other = box(0.5f);
     other->add_point_light({0, 0, 0}, {1, 1, 1});
@@ -268,8 +271,8 @@ TEST_CASE(
         if (ray.flux.x > 0.0f) expected += 4.0 * height / (2.0 * kPiDouble);
     }
     const auto lights = virtual_lights(scene->impl(), rays, 1, 1);
-    CHECK(flux(lights, 0.5) == doctest::Approx(by_paths).epsilon(0.03));
-    CHECK(static_cast<double>(lights.size()) == doctest::Approx(expected).epsilon(0.05));
+    CHECK(flux(lights, 0.5) == doctest::Approx(by_paths).scale(0.0).epsilon(0.03));
+    CHECK(static_cast<double>(lights.size()) == doctest::Approx(expected).scale(0.0).epsilon(0.05));
 }
 
 TEST_CASE("virtual lights: no light, or none that shines, gives none") {
@@ -303,8 +306,7 @@ TEST_CASE("virtual lights: the lobes of a surface send out what its BSDF does") 
                 V3f sum(0.0f);
                 for (const VirtualLight& light : lights) sum += intensity(light, out);
                 const V3f expected = flux * surface.bsdf.evaluate(out).value;
-                CHECK(sum.x == doctest::Approx(expected.x).epsilon(1e-3));
-                CHECK(sum.z == doctest::Approx(expected.z).epsilon(1e-3));
+                CHECK((sum - expected).length() <= 1e-3f * expected.length());
             }
         }
     }
