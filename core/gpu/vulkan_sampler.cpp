@@ -101,10 +101,6 @@ class VulkanLightSampler final : public LightSampler {
     mutable std::exception_ptr failure_;    ///< that is still to be told
 };
 
-}  // namespace
-
-namespace {
-
 [[noreturn]] void fail_for_glossy() {
     throw Error("Vulkan: there are glossy points among the lights, which no device chooses");
 }

@@ -8,6 +8,7 @@
 
 #include "lights/importance.h"
 #include "lights/light_record.h"
+#include "lights/ordered_lights.h"
 #include "lights/range_tree.h"
 
 namespace lightcull {
@@ -30,16 +31,18 @@ class CullingTree {
     const Frame& frame() const noexcept { return frame_; }
     const RandomRanges& ranges() const noexcept { return tree_.ranges(); }
     const RangeTree& tree() const noexcept { return tree_; }
-    const LightRecord& record(std::uint32_t record) const noexcept { return records_[record]; }
+    const LightRecord& record(std::uint32_t record) const noexcept {
+        return lights_.records[record];
+    }
 
     // By record, for back ends.
-    const std::vector<LightRecord>& records() const noexcept { return records_; }
-    const std::vector<std::uint32_t>& lights() const noexcept { return lights_; }
+    const std::vector<LightRecord>& records() const noexcept { return lights_.records; }
+    const std::vector<std::uint32_t>& lights() const noexcept { return lights_.lights; }
 
-    static constexpr std::uint32_t kNoRecord = 0xffffffffu;
+    static constexpr std::uint32_t kNoRecord = OrderedLights::kNoRecord;
     /// kNoRecord for a light of intensity 0.
-    std::uint32_t to_record(std::uint32_t light) const noexcept { return record_of_[light]; }
-    std::uint32_t to_light(std::uint32_t record) const noexcept { return lights_[record]; }
+    std::uint32_t to_record(std::uint32_t light) const noexcept { return lights_.record_of[light]; }
+    std::uint32_t to_light(std::uint32_t record) const noexcept { return lights_.lights[record]; }
 
     /// Calls visit(Accepted) for every light that is accepted at x in `set` and can reach it.
     template <typename Visit>
@@ -48,8 +51,8 @@ class CullingTree {
         SelectionCounts counts;
         const auto weigh = [&](std::uint32_t record) {
             ++counts.lights_tested;
-            const Approach way = approach(x, records_[record].center);
-            const float g = importance(records_[record], way, receiver);
+            const Approach way = approach(x, lights_.records[record].center);
+            const float g = importance(lights_.records[record], way, receiver);
             if (!(g > 0.0f)) return;
             ++counts.accepted;
             visit(Accepted{record, g, tree_.inverse_prob(record, way)});
@@ -67,9 +70,7 @@ class CullingTree {
   private:
     Frame frame_;
     RangeTree tree_;
-    std::vector<LightRecord> records_;
-    std::vector<std::uint32_t> lights_;     ///< by record
-    std::vector<std::uint32_t> record_of_;  ///< by light
+    OrderedLights lights_;
 };
 
 }  // namespace lightcull

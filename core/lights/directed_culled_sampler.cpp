@@ -5,7 +5,7 @@
 
 #include "lights/importance.h"
 #include "lights/influence_tree.h"
-#include "lights/memory_size.h"
+#include "lights/ordered_lights.h"
 #include "lights/reservoir.h"
 
 namespace lightcull {
@@ -23,16 +23,7 @@ std::vector<LightRecord> lit_records(const LightTable& table) {
 class DirectedCulledSampler final : public DirectedCulledSamplerBase {
   public:
     DirectedCulledSampler(const LightTable& table, const RandomRanges& ranges)
-        : frame_(table.frame),
-          tree_(lit_records(table), ranges),
-          record_of_(table.records.size(), kNoRecord) {
-        for (const std::uint32_t lit : tree_.order()) {
-            const std::uint32_t light = table.lit[lit];
-            record_of_[light] = static_cast<std::uint32_t>(records_.size());
-            records_.push_back(table.records[light]);
-            lights_.push_back(light);
-        }
-    }
+        : frame_(table.frame), tree_(lit_records(table), ranges), lights_(table, tree_.order()) {}
 
     using LightSampler::select;
 
@@ -45,15 +36,16 @@ class DirectedCulledSampler final : public DirectedCulledSamplerBase {
         });
         const Receipt receipt{reservoir.weight_sum(), point.set};
         if (!reservoir.chosen()) return {0, 0.0f, receipt};
-        return {lights_[reservoir.light()], reservoir.prob(), receipt};
+        return {lights_.lights[reservoir.light()], reservoir.prob(), receipt};
     }
 
     float prob(const ShadingPoint& point, const Receipt& receipt,
                std::uint32_t light) const noexcept override {
-        const std::uint32_t record = record_of_[light];
-        if (record == kNoRecord) return 0.0f;
-        const Approach way = approach(frame_.position(point.position), records_[record].center);
-        const float g = importance(records_[record], way, Receiver(point));
+        const std::uint32_t record = lights_.record_of[light];
+        if (record == OrderedLights::kNoRecord) return 0.0f;
+        const LightRecord& of_light = lights_.records[record];
+        const Approach way = approach(frame_.position(point.position), of_light.center);
+        const float g = importance(of_light, way, Receiver(point));
         if (!(g > 0.0f)) return 0.0f;
         const float distance = tree_.light(record).distance(way);
         const bool accepted = tree_.accepts(record, receipt.key, distance);
@@ -68,12 +60,10 @@ class DirectedCulledSampler final : public DirectedCulledSamplerBase {
     }
 
     std::size_t memory_size() const noexcept override {
-        return tree_.memory_size() + size_of(records_) + size_of(lights_) + size_of(record_of_);
+        return tree_.memory_size() + lights_.memory_size();
     }
 
   private:
-    static constexpr std::uint32_t kNoRecord = 0xffffffffu;
-
     /// Calls visit(record, g, 1 / p) for every light that is accepted at the point and can reach
     /// it.
     template <typename Visit>
@@ -83,10 +73,10 @@ class DirectedCulledSampler final : public DirectedCulledSamplerBase {
         const Receiver receiver(point);
         const auto weigh = [&](std::uint32_t record) {
             ++counts.lights_tested;
-            const Approach way = approach(x, records_[record].center);
+            const Approach way = approach(x, lights_.records[record].center);
             const float distance = tree_.light(record).distance(way);
             if (!tree_.accepts(record, point.set, distance)) return;
-            const float g = importance(records_[record], way, receiver);
+            const float g = importance(lights_.records[record], way, receiver);
             if (!(g > 0.0f)) return;
             ++counts.accepted;
             visit(record, g, tree_.inverse_prob(record, distance));
@@ -101,9 +91,7 @@ class DirectedCulledSampler final : public DirectedCulledSamplerBase {
 
     Frame frame_;
     InfluenceTree tree_;
-    std::vector<LightRecord> records_;
-    std::vector<std::uint32_t> lights_;     ///< by record
-    std::vector<std::uint32_t> record_of_;  ///< by light
+    OrderedLights lights_;
 };
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "lights/influence_tree.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "lights/memory_size.h"
 #include "lights/parallel_blocks.h"
@@ -61,12 +62,13 @@ SphereTree topology_of(const std::vector<DirectedLight>& lights, const RandomRan
 InfluenceTree::InfluenceTree(Span<const LightRecord> records, const RandomRanges& ranges)
     : ranges_(ranges) {
     const std::vector<DirectedLight> lights(records.begin(), records.end());
-    topology_ = topology_of(lights, ranges);
+    SphereTree topology = topology_of(lights, ranges);
     lights_.reserve(lights.size());
-    for (const std::uint32_t i : topology_.order) lights_.push_back(lights[i]);
+    for (const std::uint32_t i : topology.order) lights_.push_back(lights[i]);
     of_set_.resize(ranges.set_count());
-    for (SphereTree& tree : of_set_) tree.nodes = topology_.nodes;
-    radii_.resize(topology_.slot_count() * ranges.set_count(), kNoRadius);
+    for (SphereTree& tree : of_set_) tree.nodes = topology.nodes;
+    radii_.resize(topology.slot_count() * ranges.set_count(), kNoRadius);
+    order_ = std::move(topology.order);
 }
 
 void InfluenceTree::begin_pass(std::uint64_t pass) {
@@ -78,7 +80,7 @@ void InfluenceTree::begin_pass(std::uint64_t pass) {
 /// Bottom up.
 void InfluenceTree::place(std::uint32_t set) {
     std::vector<SphereNode>& nodes = of_set_[set].nodes;
-    float* const radii = radii_.data() + set * topology_.slot_count();
+    float* const radii = radii_.data() + set * of_set_[set].slot_count();
     std::vector<Around> around(nodes.size());
     for (std::size_t n = nodes.size(); n-- > 0;) {
         SphereNode& node = nodes[n];
@@ -101,10 +103,8 @@ void InfluenceTree::place(std::uint32_t set) {
 }
 
 std::size_t InfluenceTree::memory_size() const noexcept {
-    std::size_t size = size_of(topology_.nodes) + size_of(topology_.centers) +
-                       size_of(topology_.records) + size_of(topology_.order) + size_of(lights_) +
-                       size_of(radii_);
-    for (const SphereTree& tree : of_set_) size += size_of(tree.nodes);
+    std::size_t size = size_of(order_) + size_of(lights_) + size_of(radii_);
+    for (const SphereTree& tree : of_set_) size += tree.memory_size();
     return size;
 }
 

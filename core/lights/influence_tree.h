@@ -27,14 +27,15 @@ class InfluenceTree {
     const RandomRanges& ranges() const noexcept { return ranges_; }
     const DirectedLight& light(std::uint32_t record) const noexcept { return lights_[record]; }
     /// By record: index in what the tree was built over.
-    const std::vector<std::uint32_t>& order() const noexcept { return topology_.order; }
+    const std::vector<std::uint32_t>& order() const noexcept { return order_; }
 
     /// Calls visit(Span of records) for whatever may be accepted at a point in `set`, some at a
     /// time, but for what lies below its horizon. Returns the number of nodes read.
     template <typename Visit>
     std::uint32_t for_near(const LightBvhPoint& point, std::uint32_t set,
                            Visit&& visit) const noexcept {
-        return traverse(of_set_[set], radii_.data() + set * topology_.slot_count(), point, visit);
+        const SphereTree& tree = of_set_[set];
+        return traverse(tree, radii_.data() + set * tree.slot_count(), point, visit);
     }
 
     /// Whether p_i > xi_i at a distance as DirectedLight has it.
@@ -55,9 +56,9 @@ class InfluenceTree {
     void place(std::uint32_t set);
 
     RandomRanges ranges_;
-    SphereTree topology_;
+    std::vector<std::uint32_t> order_;
     std::vector<DirectedLight> lights_;
-    std::vector<SphereTree> of_set_;  ///< the nodes of the topology, where the set has them
+    std::vector<SphereTree> of_set_;  ///< nodes alone, of one topology, where the set has them
     std::vector<float> radii_;        ///< [set][node][slot]
 };
 

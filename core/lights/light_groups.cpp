@@ -83,9 +83,7 @@ std::uint32_t suitable_group_size(std::size_t lights) noexcept {
 std::vector<RangedLight> LightGroups::ranged() const {
     std::vector<RangedLight> lights;
     lights.reserve(groups.size());
-    for (const LightGroup& group : groups) {
-        lights.push_back({group.position(), group.radius[0], group.intensity[0]});
-    }
+    for (const LightGroup& group : groups) lights.push_back(group.ranged());
     return lights;
 }
 

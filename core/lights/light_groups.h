@@ -15,6 +15,7 @@ namespace lightcull {
 /// light.
 struct alignas(64) LightGroup : ClusterMeans<1> {
     float3 position() const noexcept { return {center[0][0], center[1][0], center[2][0]}; }
+    RangedLight ranged() const noexcept { return {position(), radius[0], intensity[0]}; }
 };
 static_assert(sizeof(LightGroup) == 64);
 
@@ -40,7 +41,7 @@ struct LightGroups {
 LightGroups make_light_groups(const LightTable& table, std::uint32_t max_size);
 
 /// The size with which selection costs least for its error, found by trial: single lights where
-/// there are few, else so that there are a thousand groups or more.
+/// there are few, else so that there are some hundred groups or more.
 std::uint32_t suitable_group_size(std::size_t lights) noexcept;
 
 /// g of [TH16] Eq. 9 of all lights of a group, 0 only where none of them reaches the point.

@@ -109,6 +109,10 @@ class ExpectedCount {
     std::vector<double> inverse_sums_;
 };
 
+RangedLight ranged(const LightRecord& light) noexcept {
+    return {light.center, light.radius, light.intensity};
+}
+
 /// distance: of a record, along a way to it.
 template <typename Distance>
 RangedScene scene_of(const LightTable& table, const Distance& distance) {
@@ -118,10 +122,7 @@ RangedScene scene_of(const LightTable& table, const Distance& distance) {
                           const bool reaches = importance(light, way, Receiver(x.normal)) > 0.0f;
                           return reaches ? distance(light, way) : RangedScene::kOutOfReach;
                       }};
-    for (const std::uint32_t i : table.lit) {
-        const LightRecord& light = table.records[i];
-        scene.lights.push_back({light.center, light.radius, light.intensity});
-    }
+    for (const std::uint32_t i : table.lit) scene.lights.push_back(ranged(table.records[i]));
     return scene;
 }
 
@@ -175,7 +176,7 @@ void check_range_options(const RangeOptions& options) {
 
 RangedScene ranged_scene(const LightTable& table) {
     return scene_of(table, [](const LightRecord& light, const Approach& way) {
-        return std::max(way.distance - light.radius, 0.0f);
+        return ranged(light).distance(way);
     });
 }
 
@@ -189,8 +190,7 @@ RangedScene ranged_scene(const LightGroups& groups, const Frame& frame) {
     return {frame, groups.ranged(), [&groups](std::size_t i, const LightBvhPoint& point) {
                 const LightGroup& group = groups.groups[i];
                 if (!(importance(group, point) > 0.0f)) return RangedScene::kOutOfReach;
-                const Approach way = approach(point.position, group.position());
-                return std::max(way.distance - group.radius[0], 0.0f);
+                return group.ranged().distance(approach(point.position, group.position()));
             }};
 }
 

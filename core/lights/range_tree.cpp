@@ -46,8 +46,7 @@ void RangeTree::refit(std::uint32_t first_set, std::uint32_t set_count) {
 }
 
 std::size_t RangeTree::memory_size() const noexcept {
-    return size_of(tree_.nodes) + size_of(tree_.centers) + size_of(tree_.records) +
-           size_of(tree_.order) + size_of(radii_) + size_of(around_);
+    return tree_.memory_size() + size_of(radii_) + size_of(around_);
 }
 
 }  // namespace lightcull

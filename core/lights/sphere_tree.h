@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "lights/memory_size.h"
 #include "lights/ranges.h"
 
 namespace lightcull {
@@ -45,6 +46,10 @@ struct SphereTree {
 
     bool empty() const noexcept { return nodes.empty(); }
     std::size_t slot_count() const noexcept { return nodes.size() * SphereNode::kWidth; }
+
+    std::size_t memory_size() const noexcept {
+        return size_of(nodes) + size_of(centers) + size_of(records) + size_of(order);
+    }
 
     /// No path from the root is longer, in nodes.
     static constexpr std::uint32_t kMaxDepth = 80;
