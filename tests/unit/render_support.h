@@ -91,6 +91,13 @@ inline Material metal(float roughness, float base_color = 1.0f) {
     return m;
 }
 
+/// Half of it metal.
+inline Material gloss(float roughness) {
+    Material m = metal(roughness, 0.8f);
+    m.metallic = 0.5f;
+    return m;
+}
+
 inline Emission emission(float radiance) {
     Emission e;
     e.radiance = {radiance, radiance, radiance};
@@ -108,6 +115,22 @@ inline Camera look(float3 origin, float3 target, float vertical_fov, float3 up =
     c.up = up;
     c.vertical_fov = vertical_fov;
     return c;
+}
+
+/// A room of one material, in it a ball of another one under a lamp.
+inline std::shared_ptr<Scene> ball_under_lamp(const Shape& room, const Material& of_ball,
+                                              float vertical_fov = 0.7f) {
+    auto scene = std::make_shared<Scene>();
+    scene->add_material(diffuse(0.6f));
+    scene->add_material(of_ball);
+    Shape ball, lamp;
+    ball.add_sphere({0.3f, 0.7f, 0}, 0.5f, 8);
+    lamp.add_level_square({0.5f, 2.5f, 0.5f}, 0.3f, false);
+    scene->add_mesh(room.mesh("room", 0));
+    scene->add_mesh(ball.mesh("ball", 1));
+    scene->add_mesh(lamp.mesh("lamp", 0, emission(20.0f)));
+    scene->set_camera(look({4, 2.5f, 5}, {0, 0.8f, 0}, vertical_fov));
+    return scene;
 }
 
 inline std::shared_ptr<const Scene> committed(std::shared_ptr<Scene> scene) {

@@ -22,26 +22,14 @@ namespace {
 
 /// A floor and a wall, a ball of some material, and a lamp over it.
 std::shared_ptr<Scene> corner(const Material& of_ball) {
-    auto scene = std::make_shared<Scene>();
-    scene->add_material(diffuse(0.6f));
-    scene->add_material(of_ball);
-    Shape room, ball, lamp;
+    Shape room;
     room.add_level_square({0, 0, 0}, 2.0f, true);
     room.add_quad({-2, 0, -2}, {2, 0, -2}, {2, 3, -2}, {-2, 3, -2});
-    ball.add_sphere({0.3f, 0.7f, 0}, 0.5f, 8);
-    lamp.add_level_square({0.5f, 2.5f, 0.5f}, 0.3f, false);
-    scene->add_mesh(room.mesh("room", 0));
-    scene->add_mesh(ball.mesh("ball", 1));
-    scene->add_mesh(lamp.mesh("lamp", 0, emission(20.0f)));
-    scene->set_camera(look({4, 2.5f, 5}, {0, 0.8f, 0}, 0.7f));
-    return scene;
+    return ball_under_lamp(room, of_ball);
 }
 
-/// The ball is half of metal.
 std::shared_ptr<Scene> corner(float roughness) {
-    Material gloss = metal(roughness, 0.8f);
-    gloss.metallic = 0.5f;
-    return corner(gloss);
+    return corner(gloss(roughness));
 }
 
 bool is_glossy(const Light& light) {

@@ -23,21 +23,11 @@ namespace {
 
 /// Two walls and a floor, a lamp that faces the floor, and things of two materials on it.
 std::shared_ptr<Scene> corner(float glossy_roughness, float field_of_view = 0.7f) {
-    auto scene = std::make_shared<Scene>();
-    scene->add_material(diffuse(0.6f));
-    Material gloss = metal(glossy_roughness, 0.8f);
-    gloss.metallic = 0.5f;
-    scene->add_material(gloss);
-    Shape room, ball, lamp;
+    Shape room;
     room.add_level_square({0, 0, 0}, 2.0f, true);
     room.add_quad({-2, 0, 2}, {-2, 0, -2}, {-2, 3, -2}, {-2, 3, 2});
     room.add_quad({-2, 0, -2}, {2, 0, -2}, {2, 3, -2}, {-2, 3, -2});
-    ball.add_sphere({0.3f, 0.7f, 0}, 0.5f, 8);
-    lamp.add_level_square({0.5f, 2.5f, 0.5f}, 0.3f, false);
-    scene->add_mesh(room.mesh("room", 0));
-    scene->add_mesh(ball.mesh("ball", 1));
-    scene->add_mesh(lamp.mesh("lamp", 0, emission(20.0f)));
-    scene->set_camera(look({4, 2.5f, 5}, {0, 0.8f, 0}, field_of_view));
+    auto scene = ball_under_lamp(room, gloss(glossy_roughness), field_of_view);
     scene->commit();
     return scene;
 }
