@@ -13,16 +13,18 @@ namespace {
 
 struct Box {
     float3 low, high;
-
-    static Box around(Span<const ShadingPoint> points) noexcept {
-        Box box{points[0].position, points[0].position};
-        for (const ShadingPoint& point : points) {
-            box.low = min(box.low, point.position);
-            box.high = max(box.high, point.position);
-        }
-        return box;
-    }
 };
+
+/// Around one point in sixteen: packets are no worse for it, and memory is read for them alone.
+Box box_of_sample(Span<const ShadingPoint> points) noexcept {
+    constexpr std::size_t kStep = 16;
+    Box box{points[0].position, points[0].position};
+    for (std::size_t i = kStep; i < points.size(); i += kStep) {
+        box.low = min(box.low, points[i].position);
+        box.high = max(box.high, points[i].position);
+    }
+    return box;
+}
 
 class MortonCurve {
   public:
@@ -31,13 +33,15 @@ class MortonCurve {
         const float longest = std::max({extent.x, extent.y, extent.z});
         scale_ = longest > 0.0f ? 1023.0f / longest : 0.0f;
     }
+    /// Below 2^20: finer cells would only make the sorting longer.
     std::uint32_t place(float3 x) const noexcept {
         const float3 at = (x - low_) * scale_;
-        return morton_code(digits(at.x), digits(at.y), digits(at.z));
+        return morton_code(digits(at.x), digits(at.y), digits(at.z)) >> 10;
     }
 
   private:
-    /// Clamped, and 0 for what is no number: an extent may be too large for a float.
+    /// Clamped, for the box is that of a sample, and 0 for what is no number: an extent may be too
+    /// large for a float.
     static std::uint32_t digits(float at) noexcept {
         return at > 0.0f ? static_cast<std::uint32_t>(std::min(at, 1023.0f)) : 0;
     }
@@ -48,19 +52,9 @@ class MortonCurve {
 
 constexpr std::size_t kBlock = 4096;
 
-Box box_around(Span<const ShadingPoint> points) {
-    std::vector<Box> boxes((points.size() + kBlock - 1) / kBlock);
-    for_each_block(points.size(), kBlock, [&](std::size_t begin, std::size_t end) {
-        boxes[begin / kBlock] = Box::around({points.data() + begin, end - begin});
-    });
-    Box all = boxes[0];
-    for (const Box& box : boxes) all = {min(all.low, box.low), max(all.high, box.high)};
-    return all;
-}
-
 /// Place and set of each point, in the upper and the lower half.
 std::vector<std::uint64_t> places_and_sets(Span<const ShadingPoint> points) {
-    const MortonCurve curve(box_around(points));
+    const MortonCurve curve(box_of_sample(points));
     std::vector<std::uint64_t> keys(points.size());
     for_each_block(points.size(), kBlock, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
@@ -117,14 +111,14 @@ std::vector<std::uint32_t> take_turns(Span<const std::uint64_t> keys, std::vecto
 
 std::vector<std::uint32_t> order_points(Span<const ShadingPoint> points, std::uint32_t set_count) {
     if (points.empty()) return {};
-    std::vector<std::uint64_t> sorted = places_and_sets(points);
+    std::vector<std::uint64_t> scratch = places_and_sets(points);
     std::vector<Run> sets;
-    std::vector<std::uint64_t> keys = group_by_set(sorted, set_count, sets);
+    std::vector<std::uint64_t> keys = group_by_set(scratch, set_count, sets);
     for_each_block(sets.size(), 1, [&](std::size_t set, std::size_t) {
         const Run run = sets[set];
-        sort_keys(keys.data() + run.begin, sorted.data() + run.begin, run.end - run.begin);
+        sort_keys<2>(keys.data() + run.begin, scratch.data() + run.begin, run.end - run.begin);
     });
-    return take_turns(sorted, std::move(sets));
+    return take_turns(keys, std::move(sets));
 }
 
 }  // namespace lightcull

@@ -17,7 +17,7 @@ void sort_by_morton_code(const std::vector<V3f>& positions, std::vector<std::uin
     const V3f cells(scale(size.x), scale(size.y), scale(size.z));
 
     keys.resize(2 * positions.size());
-    std::uint64_t* const sorted = keys.data() + positions.size();
+    constexpr std::size_t kDigits = 3;
     for (std::size_t i = 0; i < positions.size(); ++i) {
         const V3f p = (positions[i] - bounds.min) * cells;
         const std::uint32_t code =
@@ -25,7 +25,8 @@ void sort_by_morton_code(const std::vector<V3f>& positions, std::vector<std::uin
                         static_cast<std::uint32_t>(p.z));
         keys[i] = std::uint64_t{code} << 32 | order[i];
     }
-    sort_keys(keys.data(), sorted, positions.size());
+    const std::uint64_t* const sorted =
+        sort_keys<kDigits>(keys.data(), keys.data() + positions.size(), positions.size());
     for (std::size_t i = 0; i < positions.size(); ++i) {
         order[i] = static_cast<std::uint32_t>(sorted[i]);
     }

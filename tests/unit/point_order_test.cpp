@@ -12,21 +12,33 @@
 using namespace lightcull;
 using namespace lightcull::testing;
 
-TEST_CASE("keys are sorted as std::sort does it, many and few, with ties") {
+namespace {
+
+template <std::size_t kDigits>
+void check_sort_keys() {
     for (const std::size_t count : {0u, 1u, 2u, 191u, 192u, 1000u, 5000u}) {
-        for (const std::uint32_t different : {1u, 50u, 1u << 30}) {
+        for (const std::uint32_t different : {1u, 50u, 1u << (10 * kDigits)}) {
+            CAPTURE(kDigits);
             CAPTURE(count);
             CAPTURE(different);
-            std::vector<std::uint64_t> keys(count), sorted(count);
+            std::vector<std::uint64_t> keys(count), scratch(count);
             for (std::uint32_t i = 0; i < count; ++i) {
                 keys[i] = (hash(i, different) % different) << 32 | i;
             }
             std::vector<std::uint64_t> wanted = keys;
             std::sort(wanted.begin(), wanted.end());
-            sort_keys(keys.data(), sorted.data(), count);
-            CHECK(sorted == wanted);
+            const std::uint64_t* sorted = sort_keys<kDigits>(keys.data(), scratch.data(), count);
+            CHECK(std::equal(wanted.begin(), wanted.end(), sorted));
+            if (kDigits % 2 == 0) CHECK(sorted == keys.data());
         }
     }
+}
+
+}  // namespace
+
+TEST_CASE("keys are sorted as std::sort does it, many and few, with ties") {
+    check_sort_keys<2>();
+    check_sort_keys<3>();
 }
 
 TEST_CASE("points are ordered each once, in packets of one set") {
