@@ -15,11 +15,13 @@ struct Box {
     float3 low, high;
 };
 
-/// Around one point in sixteen: packets are no worse for it, and memory is read for them alone.
+/// Around some hundred points, or one in sixteen where that is more: packets are no worse for it,
+/// and memory is read for those alone.
 Box box_of_sample(Span<const ShadingPoint> points) noexcept {
-    constexpr std::size_t kStep = 16;
+    constexpr std::size_t kEnough = 256, kMaxStep = 16;
+    const std::size_t step = std::clamp(points.size() / kEnough, std::size_t{1}, kMaxStep);
     Box box{points[0].position, points[0].position};
-    for (std::size_t i = kStep; i < points.size(); i += kStep) {
+    for (std::size_t i = step; i < points.size(); i += step) {
         box.low = min(box.low, points[i].position);
         box.high = max(box.high, points[i].position);
     }

@@ -8,7 +8,7 @@
 namespace lightcull {
 
 /// Indices of the points, such that those of one set and place come together: each set is ordered
-/// along a Morton curve through the box of all points, and then runs of it take turns with runs of
+/// along a Morton curve through a box around them, and then runs of it take turns with runs of
 /// the other sets, so that all of them work on one place, whose memory stays near.
 std::vector<std::uint32_t> order_points(Span<const ShadingPoint> points, std::uint32_t set_count);
 
