@@ -15,7 +15,7 @@ struct Box {
     float3 low, high;
 };
 
-/// Around some hundred points, or one in sixteen where that is more: packets are no worse for it,
+/// Around some 256 points, or one in sixteen where that is more: packets are no worse for it,
 /// and memory is read for those alone.
 Box box_of_sample(Span<const ShadingPoint> points) noexcept {
     constexpr std::size_t kEnough = 256, kMaxStep = 16;

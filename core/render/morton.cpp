@@ -17,7 +17,6 @@ void sort_by_morton_code(const std::vector<V3f>& positions, std::vector<std::uin
     const V3f cells(scale(size.x), scale(size.y), scale(size.z));
 
     keys.resize(2 * positions.size());
-    constexpr std::size_t kDigits = 3;
     for (std::size_t i = 0; i < positions.size(); ++i) {
         const V3f p = (positions[i] - bounds.min) * cells;
         const std::uint32_t code =
@@ -26,7 +25,7 @@ void sort_by_morton_code(const std::vector<V3f>& positions, std::vector<std::uin
         keys[i] = std::uint64_t{code} << 32 | order[i];
     }
     const std::uint64_t* const sorted =
-        sort_keys<kDigits>(keys.data(), keys.data() + positions.size(), positions.size());
+        sort_keys<3>(keys.data(), keys.data() + positions.size(), positions.size());
     for (std::size_t i = 0; i < positions.size(); ++i) {
         order[i] = static_cast<std::uint32_t>(sorted[i]);
     }

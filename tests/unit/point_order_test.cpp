@@ -4,6 +4,7 @@
 #include <numeric>
 #include <vector>
 
+#include "base/float3_math.h"
 #include "base/radix_sort.h"
 #include "base/random.h"
 #include "lights/point_order.h"
@@ -56,4 +57,24 @@ TEST_CASE("points are ordered each once, in packets of one set") {
         std::sort(order.begin(), order.end());
         CHECK(order == all);
     }
+}
+
+TEST_CASE("packets of a set are compact") {
+    const std::vector<ShadingPoint> points = mixed_points(5000, 3, 1);
+    const auto sum_of_extents = [&](const std::vector<std::uint32_t>& order) {
+        constexpr std::size_t kPacket = 16;
+        double sum = 0.0;
+        for (std::size_t begin = 0; begin + kPacket <= order.size(); begin += kPacket) {
+            float3 low = points[order[begin]].position, high = low;
+            for (std::size_t i = begin; i < begin + kPacket; ++i) {
+                low = min(low, points[order[i]].position);
+                high = max(high, points[order[i]].position);
+            }
+            sum += static_cast<double>(length(high - low));
+        }
+        return sum;
+    };
+    std::vector<std::uint32_t> as_given(points.size());
+    std::iota(as_given.begin(), as_given.end(), 0u);
+    CHECK(sum_of_extents(order_points(points, 1)) < 0.4 * sum_of_extents(as_given));
 }
