@@ -17,8 +17,8 @@ namespace mitsuba::culling {
 
 namespace dr = drjit;
 
-/// A Dr.Jit array that has been evaluated, in memory. One that is a single value stands for any
-/// number of it.
+/// The elements of a Dr.Jit array, in memory. One that is a single value stands for any number of
+/// it.
 template <typename T>
 class Column {
   public:
@@ -26,6 +26,7 @@ class Column {
     explicit Column(const Array& array) {
         auto values = std::make_shared<std::decay_t<decltype(dr::detach(array))>>(array);
         data_ = static_cast<const T*>(values->data());
+        dr::sync_thread();  // they may not be written yet
         size_ = dr::width(*values);
         stride_ = size_ == 1 ? 0 : 1;
         keep_ = std::move(values);

@@ -12,7 +12,6 @@ LaneSelector::Chosen LaneSelector::choose(const Mask& wanted, const Point3f& pos
         return {UInt32(0), certain, certain};
     }
     const UInt32 left = dr::compress(wanted);
-    dr::sync_thread();  // it may not be written yet
     const Column<std::uint32_t> lanes(left);
     const std::size_t count = dr::width(path);
     gather_points(lanes, position, receiver, path, random, depth);

@@ -21,6 +21,7 @@
 #include "scene_lights.h"
 #include "shape_count.h"
 #include "spare.h"
+#include "turn.h"
 #include "variants.h"
 #include "wavefront_passes.h"
 
@@ -76,6 +77,7 @@ class LightcullPath final : public MonteCarloIntegrator<Float, Spectrum> {
                     bool evaluate) override {
         ScopedPhase phase(ProfilerPhase::Render);
         m_stop = false;
+        const auto turn = take_turn<Float>();
         m_render_timer.reset();
         if (spp != 0) sensor->sampler()->set_sample_count(spp);
         if constexpr (dr::is_jit_v<Float>) warn_of_many_shapes(scene);

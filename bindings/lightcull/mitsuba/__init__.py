@@ -12,8 +12,9 @@ Importing this makes the plugin known to Mitsuba, in whichever variants are set 
 light_bvh or culled; default: culled), error_bound (a number or "auto") and sets (a power of 4),
 both of culled. It renders in scalar_rgb, scalar_spectral, llvm_ad_rgb and llvm_ad_spectral, without
 derivatives. An integrator keeps its light sampler from one render to the next, for as long as the
-lights are the same and the camera sees the same. It raises lightcull.Error if Mitsuba is missing or
-of another version.
+lights are the same and the camera sees the same. Any thread may render; in LLVM variants, renders
+that are called at once take turns. It raises lightcull.Error if Mitsuba is missing or of another
+version.
 """
 
 from .host import mitsuba as _mitsuba
