@@ -7,8 +7,9 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <vector>
+
+#include "host_columns.h"
 
 namespace mitsuba::culling {
 
@@ -26,12 +27,10 @@ Float to_float(const UInt32& value) {
 /// Elements of a Dr.Jit array in memory; a single one stands for all.
 template <typename T, typename Array>
 std::vector<T> to_host(const Array& array, std::size_t count) {
-    const auto values = dr::detach(array);
-    const std::size_t width = dr::width(values);
-    const T* data = values.data();
-    dr::sync_thread();
-    if (width == count) return {data, data + count};
-    return std::vector<T>(count, *data);
+    const Column<T> column(array);
+    std::vector<T> elements(count);
+    for (std::size_t i = 0; i < count; ++i) elements[i] = column[i];
+    return elements;
 }
 
 /// value(i) for each i below `count`, where `value` gives N floats: called on one array in JIT

@@ -207,10 +207,8 @@ class LightcullPath final : public MonteCarloIntegrator<Float, Spectrum> {
             const LightTables<Float, Spectrum> tables(job.setup.scene, *job.setup.lights);
             PathSetup<Float, Spectrum> setup = job.setup;
             setup.tables = &tables;
-            std::unique_ptr<LaneMemory> memory = memory_.take();
-            if (!memory) memory = std::make_unique<LaneMemory>();
             WavefrontPasses<Float, Spectrum> passes(job.sensor, job.size, job.seed, job.spp,
-                                                    job.selector.set_count(), *memory);
+                                                    job.selector.set_count(), memory_);
             const RenderTask<Float, Spectrum> task(setup, passes);
             const float differential_scale = dr::rsqrt(static_cast<float>(job.spp));
             const std::unique_ptr<Float[]> channels(new Float[job.channels]);
@@ -225,7 +223,6 @@ class LightcullPath final : public MonteCarloIntegrator<Float, Spectrum> {
                 progress.step();
             }
             passes.finish();
-            memory_.keep(std::move(memory));
         } else {
             DRJIT_MARK_USED(job);
         }
@@ -253,7 +250,7 @@ class LightcullPath final : public MonteCarloIntegrator<Float, Spectrum> {
 
     std::string description_;
     Spare<MadeSampler> selector_;
-    Spare<LaneMemory> memory_;
+    LaneMemory memory_;  // of the render whose turn it is
 };
 
 namespace {

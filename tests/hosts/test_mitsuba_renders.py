@@ -7,7 +7,8 @@ import multiprocessing
 import re
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -33,6 +34,16 @@ def render(scene: Any, integrator: Any = None, spp: int = 16, seed: int = 0) -> 
 def assert_equal(a: np.ndarray, b: np.ndarray) -> None:
     """But for the order in which samples were added up."""
     np.testing.assert_allclose(a, b, rtol=1e-4, atol=1e-6)
+
+
+@contextmanager
+def logged_info() -> Iterator[None]:
+    level = mi.logger().log_level()
+    mi.set_log_level(mi.LogLevel.Info)
+    try:
+        yield
+    finally:
+        mi.set_log_level(level)
 
 
 @pytest.fixture(params=VARIANTS)
@@ -86,16 +97,12 @@ def test_an_edited_scene_renders_as_a_new_one(
     scene = mi.load_dict(scenes.stage() | scenes.lamps(3) | {"lamps": mesh})
     integrator = new_integrator()
     before = render(scene, integrator, seed=1)
-    level = mi.logger().log_level()
-    mi.set_log_level(mi.LogLevel.Info)
-    try:
+    with logged_info():
         render(scene, integrator, spp=1)
         assert SERVES_AGAIN in "".join(capfd.readouterr())
         EDITS[name](scene)
         edited = render(scene, integrator, seed=1)
         assert SERVES_AGAIN not in "".join(capfd.readouterr())
-    finally:
-        mi.set_log_level(level)
     assert edited.shape != before.shape or not np.allclose(edited, before, rtol=1e-3)
     assert_equal(edited, render(scene, seed=1))
 
@@ -136,13 +143,9 @@ def test_renders_of_llvm_variants_take_turns(capfd: pytest.CaptureFixture[str]) 
     """At once they would crash now and then, which is too rare to wait for here."""
     mi.set_variant("llvm_ad_rgb")
     loaded = [mi.load_dict(scenes.environment()) for _ in range(3)]
-    level = mi.logger().log_level()
-    mi.set_log_level(mi.LogLevel.Info)
-    try:
+    with logged_info():
         render_at_once(loaded, [new_integrator() for _ in loaded], "llvm_ad_rgb")
         log = "".join(capfd.readouterr())
-    finally:
-        mi.set_log_level(level)
     begins_and_ends = re.findall("Starting render job|Rendering finished", log)
     assert begins_and_ends == 3 * ["Starting render job", "Rendering finished"]
 
