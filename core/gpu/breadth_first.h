@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "lights/sphere_tree.h"
+#include "lights/ranges/sphere_tree.h"
 
 namespace lightcull {
 

@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "lights/culled_scene.h"
-#include "lights/paper_scene.h"
+#include "lights/baselines/paper_scene.h"
+#include "lights/samplers/culled_scene.h"
 
 namespace lightcull {
 

@@ -8,7 +8,7 @@
 
 #include "gpu/bytes.h"
 #include "gpu/shaders.h"
-#include "lights/sphere_tree_walk.h"
+#include "lights/ranges/sphere_tree_walk.h"
 
 // The records that shaders read; gpu/shaders/records.glsl has the same layouts.
 static_assert(sizeof(lightcull::ShadingPoint) == 52 && sizeof(lightcull::Selection) == 16);

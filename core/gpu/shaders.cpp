@@ -4,13 +4,13 @@ namespace lightcull::shaders {
 namespace {
 
 constexpr std::uint32_t kRefit[] = {
-#include "refit.inc"
+#include "sphere_tree_refit.inc"
 };
 constexpr std::uint32_t kSelect[] = {
-#include "select.inc"
+#include "culled_sampler.inc"
 };
 constexpr std::uint32_t kPaper[] = {
-#include "paper.inc"
+#include "paper_sampler.inc"
 };
 
 }  // namespace

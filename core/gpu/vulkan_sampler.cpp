@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
+#include "base/parallel_blocks.h"
 #include "gpu/device_sampler.h"
-#include "lights/directed_culled_sampler.h"
-#include "lights/parallel_blocks.h"
+#include "lights/glossy/directed_culled_sampler.h"
 
 namespace lightcull {
 namespace {

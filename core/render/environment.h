@@ -1,7 +1,7 @@
 #pragma once
 
 #include "base/alias_table.h"
-#include "lights/memory_size.h"
+#include "base/memory_size.h"
 #include "render/vec.h"
 
 #include <lightcull/render/scene.h>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "lights/memory_size.h"
+#include "base/memory_size.h"
 #include "render/vec.h"
 
 #include <lightcull/span.h>

@@ -1,7 +1,7 @@
 #include <lightcull/render/renderer.h>
 
+#include "base/memory_size.h"
 #include "base/random.h"
-#include "lights/memory_size.h"
 #include "render/camera.h"
 #include "render/film.h"
 #include "render/scene_impl.h"

@@ -1,6 +1,6 @@
 #include <lightcull/render/scene.h>
 
-#include "lights/memory_size.h"
+#include "base/memory_size.h"
 #include "render/checks.h"
 #include "render/scene_impl.h"
 #include "render/texture.h"

@@ -4,7 +4,7 @@
 #include "render/environment.h"
 #include "render/ray_tracer.h"
 #include "render/vec.h"
-#include "render/virtual_light.h"
+#include "render/virtual_emitter.h"
 
 #include <lightcull/light.h>
 #include <lightcull/render/scene.h>

@@ -1,7 +1,7 @@
 #include "render/wavefront.h"
 
 #include "render/emitter.h"
-#include "render/morton.h"
+#include "render/morton_sort.h"
 #include "render/scene_impl.h"
 
 #include <algorithm>

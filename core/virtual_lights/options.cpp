@@ -1,5 +1,5 @@
 #include "base/description.h"
-#include "lights/range_calibration.h"
+#include "lights/calibration/range_calibration.h"
 
 #include <lightcull/virtual_lights/virtual_light_renderer.h>
 

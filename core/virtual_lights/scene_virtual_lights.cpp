@@ -2,10 +2,10 @@
 
 #include "base/random.h"
 #include "render/scene_impl.h"
-#include "virtual_lights/bounding_volume.h"
-#include "virtual_lights/light_paths.h"
+#include "virtual_lights/paths/light_paths.h"
 #include "virtual_lights/scene_checks.h"
-#include "virtual_lights/tiled_lighting.h"
+#include "virtual_lights/tiles/tiled_lighting.h"
+#include "virtual_lights/volumes/bounding_volume.h"
 
 #include <lightcull/error.h>
 

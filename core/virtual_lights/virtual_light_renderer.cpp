@@ -1,20 +1,20 @@
 #include <lightcull/virtual_lights/virtual_light_renderer.h>
 
+#include "base/memory_size.h"
 #include "base/random.h"
-#include "lights/memory_size.h"
 #include "render/camera.h"
 #include "render/film.h"
 #include "render/scene_impl.h"
-#include "virtual_lights/calibration.h"
-#include "virtual_lights/camera_view.h"
-#include "virtual_lights/cross_bilateral.h"
-#include "virtual_lights/grid_lighting.h"
-#include "virtual_lights/imperfect_shadow_maps.h"
-#include "virtual_lights/light_paths.h"
-#include "virtual_lights/point_cloud.h"
+#include "virtual_lights/grid/grid_lighting.h"
+#include "virtual_lights/maps/imperfect_shadow_maps.h"
+#include "virtual_lights/maps/point_cloud.h"
+#include "virtual_lights/paths/light_paths.h"
 #include "virtual_lights/scene_checks.h"
 #include "virtual_lights/stopwatch.h"
-#include "virtual_lights/tiled_lighting.h"
+#include "virtual_lights/tiles/tiled_lighting.h"
+#include "virtual_lights/view/camera_view.h"
+#include "virtual_lights/view/cross_bilateral.h"
+#include "virtual_lights/volumes/volume_calibration.h"
 
 #include <lightcull/error.h>
 

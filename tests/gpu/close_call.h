@@ -7,11 +7,11 @@
 #include <cstdint>
 
 #include "base/random.h"
+#include "base/refine.h"
+#include "base/reservoir.h"
 #include "base/scramble.h"
-#include "lights/culled_scene.h"
-#include "lights/kernels.h"
-#include "lights/refine.h"
-#include "lights/reservoir.h"
+#include "lights/samplers/culled_scene.h"
+#include "lights/simd/kernels.h"
 
 namespace lightcull::testing {
 

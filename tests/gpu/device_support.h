@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "../unit/test_lights.h"
+#include "unit/test_lights.h"
 
 namespace lightcull::testing {
 

@@ -14,10 +14,10 @@
 
 #include "gpu/breadth_first.h"
 #include "gpu/shaders.h"
-#include "lights/light_groups.h"
-#include "lights/light_record.h"
-#include "lights/ranges.h"
-#include "lights/sphere_tree.h"
+#include "lights/groups/light_groups.h"
+#include "lights/light/light_record.h"
+#include "lights/ranges/ranges.h"
+#include "lights/ranges/sphere_tree.h"
 
 using namespace lightcull;
 

@@ -5,8 +5,8 @@
 #include <memory>
 #include <vector>
 
-#include "../unit/test_lights.h"
 #include "gpu/device_sampler.h"
+#include "unit/test_lights.h"
 
 using namespace lightcull;
 using namespace lightcull::testing;

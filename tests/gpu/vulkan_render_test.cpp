@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "../unit/render_support.h"
+#include "unit/render/render_support.h"
 
 using namespace render_support;
 using statistics::Estimate;

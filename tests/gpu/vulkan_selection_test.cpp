@@ -10,10 +10,10 @@
 #include <string>
 #include <vector>
 
-#include "../unit/test_lights.h"
 #include "base/random.h"
 #include "close_call.h"
-#include "lights/culled_scene.h"
+#include "lights/samplers/culled_scene.h"
+#include "unit/test_lights.h"
 
 using namespace lightcull;
 using namespace lightcull::testing;

@@ -1,64 +1,87 @@
-// lights/cluster_importance-inl.h for one cluster and one point.
+// lights/light/importance.h
 
-// -1 for a cluster of which all is two-sided, else 1.
-float two_sided(LightGroup cluster) {
-    return uintBitsToFloat((floatBitsToUint(cluster.diffuse) & 0x80000000u) | 0x3f800000u);
+struct Angle {
+    float sine, cosine;
+};
+
+float other_of(float sine_or_cosine) {
+    precise float square = 1.0 - sine_or_cosine * sine_or_cosine;
+    return root(max(square, 0.0));
 }
 
-float against(vec3 vector, vec3 way, float two_sided) {
-    const float c = dot3(vector, way);
-    precise float other = two_sided * c;
-    return max(-c, -other);
+Angle subtract_clamped(Angle a, Angle b) {
+    if (a.cosine >= b.cosine) return Angle(0.0, 1.0);
+    precise float sine = a.sine * b.cosine - a.cosine * b.sine;
+    precise float cosine = a.cosine * b.cosine + a.sine * b.sine;
+    return Angle(sine, cosine);
 }
 
-bool may_reach(LightGroup cluster, Receiver point, Way way) {
-    const float along = against(vec(cluster.axis), way.way, two_sided(cluster));
-    precise float from_apex = along + cluster.apex;
-    precise float from_apex2 = way.distance2 + cluster.apex * (along + from_apex);
-    precise float squared = from_apex * abs(from_apex), least = cluster.cosine * from_apex2;
-    precise float top = way.height + cluster.radius;
-    return squared >= least && top > point.horizon;
+// A 16-bit integer of a record, in its low or high half, by LightRecord::kSnorm.
+float snorm(uint word, int offset) {
+    precise float value = float(bitfieldExtract(int(word), offset, 16)) * (1.0 / 32767.0);
+    return value;
 }
 
-// Negative where q is 0 and c * c underflows.
-float softened(float c, float q) {
-    precise float sum = c + sqrt(c * c + q);
-    return sum;
+bool is_two_sided(LightRecord light) {
+    return (light.cos_theta_e_two_sided >> 16) != 0;
 }
 
-float with_lobe(Receiver point, float cosine, float angular_spread, float received) {
-    precise float width = point.alpha2 + 0.25 * angular_spread;
-    precise float off_axis = 0.5 * (1.0 - cosine);
-    precise float inverse = 1.0 / (width + off_axis);
-    precise float lobe = point.peak * point.alpha2 * width * inverse * inverse;
-    precise float both = point.diffuse * received + lobe;
-    return both;
+vec3 axis_of(LightRecord light) {
+    return vec3(snorm(light.axis_xy, 0), snorm(light.axis_xy, 16),
+                snorm(light.axis_z_cos_theta_o, 0));
+}
+
+// The largest cosine of the emission of a light whose bounding sphere the point is outside of.
+float emitter_bound(LightRecord light, vec3 way, float distance) {
+    precise vec3 direction = way * quotient(1.0, distance);
+    float cos_theta = clamp(-dot3(axis_of(light), direction), -1.0, 1.0);
+    if (is_two_sided(light)) cos_theta = abs(cos_theta);
+    const float cos_theta_o = snorm(light.axis_z_cos_theta_o, 16);
+    const float half_sine = quotient(light.radius, distance);
+    const Angle from_normal = subtract_clamped(Angle(other_of(cos_theta), cos_theta),
+                                               Angle(other_of(cos_theta_o), cos_theta_o));
+    const float cosine =
+        subtract_clamped(from_normal, Angle(half_sine, other_of(half_sine))).cosine;
+    return cosine > snorm(light.cos_theta_e_two_sided, 0) ? cosine : 0.0;
 }
 
 const float kMinDistance2 = 1e-30;
 
-// 0 where none of the cluster reaches the point.
-float importance(LightGroup cluster, Receiver point, Way way) {
-    if (!may_reach(cluster, point, way)) return 0.0;
-    const float spread = abs(cluster.spread);
+float light_importance(LightRecord light, Receiver point, Way way) {
+    precise float spread = 0.25 * light.radius * light.radius;
     precise float mean_distance2 = way.distance2 + spread;
     if (!(mean_distance2 > kMinDistance2)) return 0.0;
-    precise float from_behind = spread + point.from_all_sides * mean_distance2;
-    float received = softened(way.height, from_behind);
+    const float inverse = quotient(1.0, root(mean_distance2));
+
+    float received = 1.0;
+    if (point.normal != vec3(0)) {
+        precise float top = way.height + light.radius;
+        if (top <= 0.0) return 0.0;
+        precise float square = way.height * way.height + 0.375 * spread;
+        precise float above = 0.5 * (way.height + root(square)) * inverse;
+        received = above;
+    }
     if (point.peak > 0.0) {
-        const float root = sqrt(mean_distance2);
-        precise float inverse_root = 1.0 / root;
-        precise float cosine = dot3(point.axis, way.way) * inverse_root;
-        precise float angular_spread = spread * inverse_root * inverse_root;
-        precise float mean_cosine = 0.5 * received * inverse_root;
-        precise float both =
-            (root + root) * with_lobe(point, cosine, angular_spread, mean_cosine);
+        precise float cosine = dot3(point.axis, way.way) * inverse;
+        precise float width = point.alpha2 + 0.25 * (spread * inverse * inverse);
+        precise float off_axis = width + 0.5 * (1.0 - cosine);
+        const float inverse_width = quotient(1.0, off_axis);
+        precise float both = point.diffuse * received +
+                             point.peak * point.alpha2 * width * inverse_width * inverse_width;
         received = both;
     }
-    const float facing = against(vec(cluster.mean_normal), way.way, two_sided(cluster));
-    precise float across = max(cluster.spread, 0.0) + abs(cluster.diffuse) * mean_distance2;
-    const float emitted = softened(facing, across);
-    precise float inverse = 1.0 / mean_distance2;
-    precise float g = cluster.intensity * (received * inverse) * (emitted * inverse);
-    return max(g, 0.0);
+
+    float emitter = 1.0;
+    const float distance = root(way.distance2);
+    if (bitfieldExtract(int(light.axis_z_cos_theta_o), 16, 16) == 32767) {
+        float height = -dot3(axis_of(light), way.way);
+        if (is_two_sided(light)) height = abs(height);
+        precise float cosine = height * inverse + 5e-5;
+        emitter = min(cosine, 1.0);
+    } else if (distance > light.radius) {
+        emitter = emitter_bound(light, way.way, distance);
+    }
+    if (!(emitter > 0.0)) return 0.0;
+    precise float g = light.intensity * inverse * inverse * received * emitter;
+    return g;
 }

@@ -1,4 +1,4 @@
-// Random numbers and arithmetic that give the bits of base/ and lights/ranges.h. Whatever is
+// Random numbers and arithmetic that give the bits of base/ and lights/ranges/ranges.h. Whatever is
 // computed is `precise`, here and everywhere: never contracted, never put in another order.
 
 uint scramble(uint x) {

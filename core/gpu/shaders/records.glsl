@@ -5,7 +5,7 @@ struct Float3 {
     float x, y, z;
 };
 
-// lights/sphere_tree.h
+// lights/ranges/sphere_tree.h
 struct SphereNode {
     float x[8], y[8], z[8];
     uint link[8];
@@ -13,14 +13,14 @@ struct SphereNode {
 };
 const uint kLeaf = 0x80000000u, kEmpty = 0xffffffffu;
 
-// lights/ranges.h
+// lights/ranges/ranges.h
 struct RangedLight {
     Float3 center;
     float radius;
     float intensity;
 };
 
-// lights/light_record.h, two 16-bit numbers to a word
+// lights/light/light_record.h, two 16-bit numbers to a word
 struct LightRecord {
     Float3 center;
     float radius;
@@ -30,7 +30,7 @@ struct LightRecord {
     uint cos_theta_e_two_sided;
 };
 
-// lights/light_groups.h
+// lights/groups/light_groups.h
 struct LightGroup {
     Float3 center;
     float radius;
@@ -45,7 +45,7 @@ struct LightGroup {
 };
 const uint kNoGroup = 0xffffffffu;
 
-// lights/light_bvh.h
+// lights/bvh/light_bvh.h
 struct MeansNode {
     float center[3][8];
     float radius[8];

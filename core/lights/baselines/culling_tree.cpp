@@ -1,0 +1,17 @@
+#include "lights/baselines/culling_tree.h"
+
+#include "lights/calibration/range_calibration.h"
+
+namespace lightcull {
+
+CullingTree::CullingTree(const LightTable& table, const RandomRanges& ranges)
+    : frame_(table.frame),
+      tree_(ranged_scene(table).lights, ranges),
+      lights_(table, tree_.tree().order) {
+}
+
+std::size_t CullingTree::memory_size() const noexcept {
+    return tree_.memory_size() + lights_.memory_size();
+}
+
+}  // namespace lightcull

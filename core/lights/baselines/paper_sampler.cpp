@@ -1,0 +1,177 @@
+#include <lightcull/error.h>
+#include <lightcull/samplers.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "base/reservoir.h"
+#include "lights/baselines/paper_scene.h"
+#include "lights/calibration/range_calibration.h"
+#include "lights/ranges/set_count.h"
+
+namespace lightcull {
+namespace {
+
+constexpr std::uint32_t kMaxListSize = 64;
+
+/// lightList of [TH16] Alg. 2, kept to k entries by the reservoir sampling of Alg. 3.
+class LightList {
+  public:
+    LightList(std::uint32_t capacity, std::uint64_t key) noexcept
+        : capacity_(capacity), random_(key) {}
+
+    void add(const Accepted& accepted) noexcept {
+        if (found_ < capacity_) {
+            list_[found_++] = accepted;
+            return;
+        }
+        ++found_;
+        const float place = random_.next() * static_cast<float>(found_);
+        if (place < static_cast<float>(capacity_)) {
+            list_[static_cast<std::uint32_t>(place)] = accepted;
+        }
+    }
+    std::uint32_t size() const noexcept { return std::min(found_, capacity_); }
+    const Accepted& operator[](std::uint32_t i) const noexcept { return list_[i]; }
+
+    /// The first light at which the sums of weights in cdf, as many as there are lights, rise above
+    /// the u-th part of the last. u in [0, 1).
+    const Accepted& sample(const float* cdf, float u) const noexcept {
+        const float* const last = cdf + size() - 1;
+        return list_[std::upper_bound(cdf, last, u * *last) - cdf];
+    }
+    /// min(k / m, 1) of Eq. 10.
+    float keep_prob() const noexcept {
+        return found_ <= capacity_ ? 1.0f
+                                   : static_cast<float>(capacity_) / static_cast<float>(found_);
+    }
+
+  private:
+    std::uint32_t capacity_, found_ = 0;
+    RandomStream random_;
+    Accepted list_[kMaxListSize];
+};
+
+/// [TH16] Alg. 2 with one shadow ray (section 5.3.2), and the departures from it one by one. For
+/// Eq. 9 it takes importance(), as all samplers do: the corners of a triangle are the caller's.
+class PaperSampler final : public PaperSamplerBase {
+  public:
+    PaperSampler(const LightTable& table, float reach, const PaperOptions& options)
+        : tree_(table, RandomRanges(reach, options.set_count)),
+          range_at_vertex_(options.range_at_vertex),
+          weight_by_g_(options.weight_by_g),
+          list_size_(options.list_size),
+          intensity_sum_(0.0f) {
+        double sum = 0.0;
+        for (const std::uint32_t i : table.lit) {
+            sum += static_cast<double>(table.records[i].intensity);
+        }
+        intensity_sum_ = static_cast<float>(sum);
+    }
+
+    using LightSampler::select;
+
+    PaperScene scene() const noexcept override {
+        return {tree_, range_at_vertex_, weight_by_g_, list_size_};
+    }
+
+    void begin_pass(std::uint64_t pass) override { tree_.begin_pass(pass); }
+
+    Selection select(const ShadingPoint& point, float u) const noexcept override {
+        return list_size_ == 0 ? select_of_all(point, u) : select_of_list(point, u);
+    }
+
+    float prob(const ShadingPoint& point, const Receipt& receipt,
+               std::uint32_t light) const noexcept override {
+        const std::uint32_t record = tree_.to_record(light);
+        if (record == CullingTree::kNoRecord) return 0.0f;
+        const LightRecord& data = tree_.record(record);
+        if (prob_is_proxy()) return data.intensity / intensity_sum_;
+        const Approach way = approach(tree_.frame().position(point.position), data.center);
+        const Accepted as_if{record, importance(data, way, Receiver(point)),
+                             tree_.tree().inverse_prob(record, way)};
+        if (!(as_if.importance > 0.0f)) return 0.0f;
+        const bool accepted = tree_.tree().accepts(record, receipt.key, way);
+        const float sum = receipt.weight_sum + (accepted ? 0.0f : weight(as_if));
+        return numerator(as_if) / sum;
+    }
+
+    bool prob_is_proxy() const noexcept override { return range_at_vertex_ || list_size_ > 0; }
+
+    float vertex_prob(const ShadingPoint& point, const Receipt& receipt, std::uint32_t light,
+                      const float3& vertex) const noexcept override {
+        if (!range_at_vertex_) return 1.0f;
+        const Frame& frame = tree_.frame();
+        const RandomRanges& ranges = tree_.ranges();
+        const std::uint32_t record = tree_.to_record(light);
+        const float intensity = tree_.record(record).intensity;
+        const float distance = length(frame.position(vertex) - frame.position(point.position));
+        if (distance > ranges.range(intensity, ranges.xi(record, receipt.key))) return 0.0f;
+        return 1.0f / ranges.inverse_prob(intensity, distance);
+    }
+
+    std::uint32_t set_count() const noexcept override { return tree_.ranges().set_count(); }
+
+    SelectionCounts count(const ShadingPoint& point) const noexcept override {
+        return tree_.for_each_accepted(tree_.frame().position(point.position), Receiver(point),
+                                       point.set, [](const Accepted&) {});
+    }
+
+    std::size_t memory_size() const noexcept override { return tree_.memory_size(); }
+
+  private:
+    float weight(const Accepted& accepted) const noexcept {
+        return weight_by_g_ ? accepted.importance : accepted.importance * accepted.inverse_prob;
+    }
+    /// p_i q(i) of Eq. 10 times the sum in q(i), without what the vertex decides.
+    float numerator(const Accepted& accepted) const noexcept {
+        return range_at_vertex_ ? weight(accepted) : weight(accepted) / accepted.inverse_prob;
+    }
+
+    Selection select_of_all(const ShadingPoint& point, float u) const noexcept {
+        const float3 x = tree_.frame().position(point.position);
+        Reservoir reservoir(u);
+        tree_.for_each_accepted(x, Receiver(point), point.set, [&](const Accepted& accepted) {
+            reservoir.add(accepted.record, numerator(accepted), weight(accepted));
+        });
+        const Receipt receipt{reservoir.weight_sum(), point.set};
+        if (!reservoir.chosen()) return {0, 0.0f, receipt};
+        return {tree_.to_light(reservoir.light()), reservoir.prob(), receipt};
+    }
+
+    Selection select_of_list(const ShadingPoint& point, float u) const noexcept {
+        const float3 x = tree_.frame().position(point.position);
+        LightList list(list_size_, hash(float_bits(u), float_bits(x.x), float_bits(x.y)));
+        tree_.for_each_accepted(x, Receiver(point), point.set,
+                                [&](const Accepted& accepted) { list.add(accepted); });
+        if (list.size() == 0) return {0, 0.0f, {0.0f, point.set}};
+        float cdf[kMaxListSize], sum = 0.0f;
+        for (std::uint32_t i = 0; i < list.size(); ++i) cdf[i] = sum += weight(list[i]);
+        const Accepted& chosen = list.sample(cdf, u);
+        return {tree_.to_light(chosen.record),
+                list.keep_prob() * (numerator(chosen) / sum),
+                {sum, point.set}};
+    }
+
+    CullingTree tree_;
+    bool range_at_vertex_, weight_by_g_;
+    std::uint32_t list_size_;
+    float intensity_sum_;
+};
+
+}  // namespace
+
+std::unique_ptr<LightSampler> make_paper_sampler(Span<const Light> lights,
+                                                 const PaperOptions& options) {
+    check_set_count(options.set_count);
+    if (options.list_size > kMaxListSize) {
+        throw Error("list is " + std::to_string(options.list_size) + ", wanted 0 to " +
+                    std::to_string(kMaxListSize));
+    }
+    const LightTable table = make_light_table(lights);
+    const float reach = calibrate_reach(ranged_scene(table), options.range, RangeLaw::kRandom);
+    return std::make_unique<PaperSampler>(table, reach, options);
+}
+
+}  // namespace lightcull

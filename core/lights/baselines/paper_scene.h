@@ -1,0 +1,25 @@
+#pragma once
+
+#include <lightcull/light_sampler.h>
+
+#include <cstdint>
+
+#include "lights/baselines/culling_tree.h"
+
+namespace lightcull {
+
+/// What `paper` chooses from, and how (PaperOptions).
+struct PaperScene {
+    const CullingTree& tree;
+    bool range_at_vertex, weight_by_g;
+    std::uint32_t list_size;
+};
+
+/// `paper`, for back ends that choose as it does.
+class PaperSamplerBase : public LightSampler {
+  public:
+    /// Lives as long as the sampler. Passes change the ranges of the tree.
+    virtual PaperScene scene() const noexcept = 0;
+};
+
+}  // namespace lightcull

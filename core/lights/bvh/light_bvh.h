@@ -1,0 +1,98 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "lights/light/light_record.h"
+
+namespace lightcull {
+
+/// A node holds eight clusters of lights, in the units of a LightTable, by what their importance
+/// needs (light_bvh_importance-inl.h says how): one array per quantity, so that it is computed for
+/// all of them at once. A cluster is a node or one light.
+struct LightBvhNode {
+    static constexpr int kWidth = 8;
+    static constexpr std::uint32_t kLight = 0x80000000u;
+    static constexpr std::uint32_t kEmpty = 0xffffffffu;
+};
+
+/// For ClusterImportance::kBounds.
+struct alignas(64) BoundsNode : LightBvhNode {
+    float center[3][kWidth];      ///< of a sphere that holds all of the cluster
+    float radius[kWidth];         ///< of that sphere
+    float intensity[kWidth];      ///< sum; 0: empty
+    float axis[3][kWidth];        ///< of the cone that holds all normals
+    float cos_theta_o[kWidth];    ///< of that cone's half-angle
+    float sin_theta_o[kWidth];    ///< of the same
+    float cos_theta_e[kWidth];    ///< of the largest angle to a normal. The sign bit is set where
+                                  ///< all of the cluster is two-sided
+    std::uint32_t child[kWidth];  ///< index of a node, or kLight | index of the caller, or kEmpty
+};
+static_assert(sizeof(BoundsNode) == 384 && alignof(BoundsNode) == 64);
+
+/// What the importance by means needs of clusters, kCount of them.
+template <std::size_t kCount>
+struct ClusterMeans {
+    float center[3][kCount];       ///< mean position, weighted by intensity
+    float radius[kCount];          ///< of a sphere around center that holds all of the cluster
+    float spread[kCount];          ///< variance of position as the importance takes it; negative: a
+                                   ///< flat light, emission does not depend on it
+    float intensity[kCount];       ///< sum; 0: empty
+    float axis[3][kCount];         ///< of the cone into which the cluster emits
+    float apex[kCount];            ///< how far behind center the cone begins that holds those of
+                                   ///< all points of the sphere
+    float cosine[kCount];          ///< of the cone's half-angle, times its own absolute value; -2:
+                                   ///< the cluster emits everywhere
+    float mean_normal[3][kCount];  ///< weighted by intensity; short where normals differ
+    float diffuse[kCount];         ///< what the cluster emits whatever the direction: the square of
+                                   ///< twice that share of its intensity. The sign bit is set
+                                   ///< where all of it is two-sided
+    std::uint32_t child[kCount];   ///< as in BoundsNode
+
+    /// Takes over one of the clusters of another.
+    template <std::size_t kOthers>
+    void set(std::size_t i, const ClusterMeans<kOthers>& other, std::size_t j) noexcept {
+        for (std::size_t k = 0; k < 3; ++k) {
+            center[k][i] = other.center[k][j];
+            axis[k][i] = other.axis[k][j];
+            mean_normal[k][i] = other.mean_normal[k][j];
+        }
+        radius[i] = other.radius[j];
+        spread[i] = other.spread[j];
+        intensity[i] = other.intensity[j];
+        apex[i] = other.apex[j];
+        cosine[i] = other.cosine[j];
+        diffuse[i] = other.diffuse[j];
+        child[i] = other.child[j];
+    }
+};
+
+/// For ClusterImportance::kMeans.
+struct alignas(64) MeansNode : LightBvhNode, ClusterMeans<LightBvhNode::kWidth> {};
+static_assert(sizeof(MeansNode) == 512 && alignof(MeansNode) == 64);
+
+/// One of a node's eight children, as a number: 8 * node + place.
+using LightBvhSlot = std::uint32_t;
+
+/// Node: BoundsNode or MeansNode.
+template <typename Node>
+struct LightBvh {
+    /// No path from the root to a light is longer.
+    static constexpr int kMaxDepth = 72;
+    static constexpr LightBvhSlot kNoSlot = 0xffffffffu;
+
+    std::vector<Node> nodes;            ///< node 0 is the root; none where no light is lit
+    std::vector<LightBvhSlot> parents;  ///< by node: the slot that holds it
+    std::vector<LightBvhSlot> slots;    ///< by the caller's light: its slot, kNoSlot if not lit
+};
+
+/// Builds over the lit lights of a table; the tree is the same for both kinds of node. Runs in the
+/// caller's TBB arena; the result does not depend on it.
+template <typename Node>
+LightBvh<Node> build_light_bvh(const LightTable& table);
+
+extern template LightBvh<BoundsNode> build_light_bvh(const LightTable& table);
+extern template LightBvh<MeansNode> build_light_bvh(const LightTable& table);
+
+}  // namespace lightcull

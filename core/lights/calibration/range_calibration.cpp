@@ -1,0 +1,204 @@
+#include "lights/calibration/range_calibration.h"
+
+#include <lightcull/error.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "base/random.h"
+#include "lights/glossy/directed_light.h"
+#include "lights/light/importance.h"
+#include "lights/ranges/ranges.h"
+
+namespace lightcull {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr std::size_t kSampledLights = 8192, kDrawnPoints = 128;
+
+// Ranges and their squares stay finite and above 0 for every xi and intensity.
+constexpr double kLeastReach = 1e-30, kGreatestReach = 1e18;
+
+float clamp_reach(double reach) noexcept {
+    return static_cast<float>(std::clamp(reach, kLeastReach, kGreatestReach));
+}
+
+/// [TH16] Eq. 7, or appendix A, for the given epsilon_max.
+double reach_of_error_bound(const RangedScene& scene, const RangeOptions& options, RangeLaw law) {
+    const double error_bound = *options.error_bound, exposure = options.exposure;
+    const double metres2 =
+        law == RangeLaw::kRandom
+            ? exposure / (2.0 * kPi * error_bound)
+            : exposure * static_cast<double>(scene.lights.size()) / (kPi * error_bound);
+    const double scale = scene.frame.inv_scale;
+    return metres2 * scene.frame.intensity * scale * scale;
+}
+
+/// Of many lights a random sample.
+std::vector<std::size_t> sample_lights(std::size_t n) {
+    std::vector<std::size_t> sample(std::min(n, kSampledLights));
+    for (std::size_t i = 0; i < sample.size(); ++i) {
+        // One of each stratum: neighbours in the array are often neighbours in space.
+        const std::size_t begin = i * n / sample.size(), end = (i + 1) * n / sample.size();
+        sample[i] = begin + hash(i, 1) % (end - begin);
+    }
+    return sample;
+}
+
+/// The caller's points, or some inside the bounds of the lights.
+std::vector<LightBvhPoint> points_or_drawn(const RangedScene& scene, const RangeOptions& options) {
+    std::vector<LightBvhPoint> points;
+    for (const ShadingPoint& point : options.calibration_points) {
+        points.emplace_back(scene.frame.position(point.position), Receiver(point));
+    }
+    if (!points.empty()) return points;
+    float3 low = scene.lights[0].center, high = low;
+    for (const RangedLight& light : scene.lights) {
+        low = min(low, light.center);
+        high = max(high, light.center);
+    }
+    RandomStream random(hash(2, 3));
+    const float3 extent = high - low;
+    for (std::size_t i = 0; i < kDrawnPoints; ++i) {
+        const float x = random.next(), y = random.next(), z = random.next();
+        points.emplace_back(low + float3{extent.x * x, extent.y * y, extent.z * z},
+                            Receiver(float3{0, 0, 0}));
+    }
+    return points;
+}
+
+/// Distance to the bounding sphere, squared, over intensity, of all pairs of a point and a sampled
+/// light that can reach it: the reach at which p_i becomes 1. Ascending.
+std::vector<float> sorted_thresholds(const RangedScene& scene,
+                                     const std::vector<std::size_t>& sample,
+                                     const std::vector<LightBvhPoint>& points) {
+    std::vector<float> thresholds;
+    thresholds.reserve(sample.size() * points.size());
+    for (const LightBvhPoint& point : points) {
+        for (const std::size_t i : sample) {
+            const float distance = scene.distance(i, point);
+            if (distance == RangedScene::kOutOfReach) continue;
+            thresholds.push_back(distance * distance / scene.lights[i].intensity);
+        }
+    }
+    std::sort(thresholds.begin(), thresholds.end());
+    return thresholds;
+}
+
+/// Sum over the thresholds t of p = min(1, reach / t), or of [t <= reach].
+class ExpectedCount {
+  public:
+    ExpectedCount(std::vector<float> thresholds, RangeLaw law)
+        : thresholds_(std::move(thresholds)), inverse_sums_(thresholds_.size() + 1, 0.0) {
+        if (law == RangeLaw::kConstant) return;
+        for (std::size_t i = thresholds_.size(); i-- > 0;) {
+            inverse_sums_[i] = inverse_sums_[i + 1] + 1.0 / static_cast<double>(thresholds_[i]);
+        }
+    }
+    double operator()(double reach) const noexcept {
+        const auto above =
+            std::upper_bound(thresholds_.begin(), thresholds_.end(), static_cast<float>(reach));
+        const auto certain = static_cast<std::size_t>(above - thresholds_.begin());
+        return static_cast<double>(certain) + reach * inverse_sums_[certain];
+    }
+
+  private:
+    std::vector<float> thresholds_;
+    std::vector<double> inverse_sums_;
+};
+
+RangedLight ranged(const LightRecord& light) noexcept {
+    return {light.center, light.radius, light.intensity};
+}
+
+/// distance: of a record, along a way to it.
+template <typename Distance>
+RangedScene scene_of(const LightTable& table, const Distance& distance) {
+    RangedScene scene{table.frame, {}, [&table, distance](std::size_t i, const LightBvhPoint& x) {
+                          const LightRecord& light = table.records[table.lit[i]];
+                          const Approach way = approach(x.position, light.center);
+                          const bool reaches = importance(light, way, Receiver(x.normal)) > 0.0f;
+                          return reaches ? distance(light, way) : RangedScene::kOutOfReach;
+                      }};
+    for (const std::uint32_t i : table.lit) scene.lights.push_back(ranged(table.records[i]));
+    return scene;
+}
+
+double reach_of_expected_count(const RangedScene& scene, const RangeOptions& options,
+                               RangeLaw law) {
+    const std::vector<std::size_t> sample = sample_lights(scene.lights.size());
+    const std::vector<LightBvhPoint> points = points_or_drawn(scene, options);
+    std::vector<float> thresholds = sorted_thresholds(scene, sample, points);
+    const double per_point = static_cast<double>(points.size()) *
+                             static_cast<double>(sample.size()) /
+                             static_cast<double>(scene.lights.size());
+    // Lights that a point lies in are accepted whatever the reach; half of what is wanted is left
+    // for the others at least.
+    const auto always = static_cast<double>(
+        std::upper_bound(thresholds.begin(), thresholds.end(), 0.0f) - thresholds.begin());
+    const double expected = static_cast<double>(options.expected_accepted) * per_point;
+    const double wanted = std::max(expected, always + 0.5 * expected);
+    // Fewer lights than wanted: reach them all.
+    if (static_cast<double>(thresholds.size()) <= wanted) return kGreatestReach;
+    const ExpectedCount count(std::move(thresholds), law);
+    double low = std::log2(kLeastReach), high = std::log2(kGreatestReach);
+    for (int step = 0; step < 60; ++step) {
+        const double middle = 0.5 * (low + high);
+        (count(std::exp2(middle)) < wanted ? low : high) = middle;
+    }
+    return std::exp2(high);
+}
+
+}  // namespace
+
+void check_range_options(const RangeOptions& options) {
+    const auto positive = [](float value, const char* name) {
+        if (!(value > 0.0f && std::isfinite(value))) {
+            throw Error(std::string(name) + " is " + std::to_string(value) +
+                        ", wanted finite and above 0");
+        }
+    };
+    if (options.error_bound) positive(*options.error_bound, "error_bound");
+    positive(options.expected_accepted, "expected_accepted");
+    positive(options.exposure, "exposure");
+    for (std::size_t i = 0; i < options.calibration_points.size(); ++i) {
+        const ShadingPoint& point = options.calibration_points[i];
+        const GlossyLobe& lobe = point.lobe;
+        if (!is_finite(point.position) || !is_finite(point.normal) || !is_finite(lobe.axis) ||
+            !std::isfinite(point.diffuse) || !std::isfinite(lobe.alpha) ||
+            !std::isfinite(lobe.peak)) {
+            throw Error("calibration point " + std::to_string(i) + " is not finite");
+        }
+    }
+}
+
+RangedScene ranged_scene(const LightTable& table) {
+    return scene_of(table, [](const LightRecord& light, const Approach& way) {
+        return ranged(light).distance(way);
+    });
+}
+
+RangedScene directed_scene(const LightTable& table) {
+    return scene_of(table, [](const LightRecord& light, const Approach& way) {
+        return DirectedLight(light).distance(way);
+    });
+}
+
+RangedScene ranged_scene(const LightGroups& groups, const Frame& frame) {
+    return {frame, groups.ranged(), [&groups](std::size_t i, const LightBvhPoint& point) {
+                const LightGroup& group = groups.groups[i];
+                if (!(importance(group, point) > 0.0f)) return RangedScene::kOutOfReach;
+                return group.ranged().distance(approach(point.position, group.position()));
+            }};
+}
+
+float calibrate_reach(const RangedScene& scene, const RangeOptions& options, RangeLaw law) {
+    check_range_options(options);
+    if (scene.lights.empty()) return 1.0f;
+    return clamp_reach(options.error_bound ? reach_of_error_bound(scene, options, law)
+                                           : reach_of_expected_count(scene, options, law));
+}
+
+}  // namespace lightcull

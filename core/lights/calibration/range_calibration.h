@@ -1,0 +1,41 @@
+#pragma once
+
+#include <lightcull/samplers.h>
+
+#include <cstddef>
+#include <functional>
+#include <limits>
+#include <vector>
+
+#include "lights/groups/light_groups.h"
+#include "lights/light/light_record.h"
+#include "lights/ranges/ranges.h"
+
+namespace lightcull {
+
+/// What ranges are found for: lights, or groups of lights that share one.
+struct RangedScene {
+    const Frame& frame;
+    std::vector<RangedLight> lights;  ///< of intensity above 0
+    /// From a point to an element of `lights`, as its p takes it; infinite where nothing of it can
+    /// reach the point.
+    std::function<float(std::size_t, const LightBvhPoint&)> distance;
+    static constexpr float kOutOfReach = std::numeric_limits<float>::infinity();
+};
+
+/// What it refers to must outlive it.
+RangedScene ranged_scene(const LightTable& table);
+/// With the distances that DirectedLight has.
+RangedScene directed_scene(const LightTable& table);
+RangedScene ranged_scene(const LightGroups& groups, const Frame& frame);
+
+/// Throws Error for options that make no sense.
+void check_range_options(const RangeOptions& options);
+
+/// The factor by which an intensity is to be multiplied for the square of its range at xi = 1, in
+/// the units of the frame: 1 / alpha_i is reach * intensity. From options.error_bound, or by
+/// bisection for options.expected_accepted of them per point, of those that can reach it. Throws
+/// as check_range_options().
+float calibrate_reach(const RangedScene& scene, const RangeOptions& options, RangeLaw law);
+
+}  // namespace lightcull

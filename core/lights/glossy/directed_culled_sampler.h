@@ -1,0 +1,19 @@
+#pragma once
+
+#include <lightcull/samplers.h>
+
+#include <memory>
+
+#include "lights/light/light_record.h"
+
+namespace lightcull {
+
+/// What make_directed_culled_sampler() makes, to be told from other samplers.
+class DirectedCulledSamplerBase : public LightSampler {};
+
+/// `culled` for lights of which some are glossy points: each has a range of its own, which depends
+/// on the direction. reach, set_count: as of RandomRanges.
+std::unique_ptr<LightSampler> make_directed_culled_sampler(const LightTable& table, float reach,
+                                                           std::uint32_t set_count);
+
+}  // namespace lightcull

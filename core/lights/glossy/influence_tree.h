@@ -1,0 +1,65 @@
+#pragma once
+
+#include <lightcull/span.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "lights/glossy/directed_light.h"
+#include "lights/ranges/ranges.h"
+#include "lights/ranges/sphere_tree.h"
+#include "lights/ranges/sphere_tree_walk.h"
+
+namespace lightcull {
+
+/// A sphere tree over the volumes of lights whose acceptance depends on direction. A range moves
+/// their centres too, so each set has spheres of its own all the way up. Lights are numbered by
+/// record, in the order of the tree's leaves.
+class InfluenceTree {
+  public:
+    /// records: lit ones. Runs in the caller's TBB arena.
+    InfluenceTree(Span<const LightRecord> records, const RandomRanges& ranges);
+
+    /// Draws all ranges of the pass and places the spheres. Runs in the caller's TBB arena.
+    void begin_pass(std::uint64_t pass);
+
+    const RandomRanges& ranges() const noexcept { return ranges_; }
+    const DirectedLight& light(std::uint32_t record) const noexcept { return lights_[record]; }
+    /// By record: index in what the tree was built over.
+    const std::vector<std::uint32_t>& order() const noexcept { return order_; }
+
+    /// Calls visit(Span of records) for whatever may be accepted at a point in `set`, some at a
+    /// time, but for what lies below its horizon. Returns the number of nodes read.
+    template <typename Visit>
+    std::uint32_t for_near(const LightBvhPoint& point, std::uint32_t set,
+                           Visit&& visit) const noexcept {
+        const SphereTree& tree = of_set_[set];
+        return traverse(tree, radii_.data() + set * tree.slot_count(), point, visit);
+    }
+
+    /// Whether p_i > xi_i at a distance as DirectedLight has it.
+    bool accepts(std::uint32_t record, std::uint32_t set, float distance) const noexcept {
+        return distance <= range(record, set);
+    }
+    /// 1 / p.
+    float inverse_prob(std::uint32_t record, float distance) const noexcept {
+        return ranges_.inverse_prob(lights_[record].intensity(), distance);
+    }
+
+    std::size_t memory_size() const noexcept;
+
+  private:
+    float range(std::uint32_t record, std::uint32_t set) const noexcept {
+        return ranges_.range(lights_[record].intensity(), ranges_.xi(record, set));
+    }
+    void place(std::uint32_t set);
+
+    RandomRanges ranges_;
+    std::vector<std::uint32_t> order_;
+    std::vector<DirectedLight> lights_;
+    std::vector<SphereTree> of_set_;  ///< nodes alone, of one topology, where the set has them
+    std::vector<float> radii_;        ///< [set][node][slot]
+};
+
+}  // namespace lightcull

@@ -1,0 +1,183 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include <lightcull/light_sampler.h>
+
+#include "base/float3_math.h"
+#include "lights/light/light_record.h"
+
+namespace lightcull {
+
+/// The way from a point to the centre of a light's bounding sphere.
+struct Approach {
+    float3 way;
+    float distance2;
+    float distance;
+
+    /// Unit length, or 0 at distance 0.
+    float3 direction() const noexcept { return way * (distance > 0.0f ? 1.0f / distance : 0.0f); }
+};
+
+inline Approach approach(float3 from, float3 center) noexcept {
+    const float3 way = center - from;
+    const float distance2 = dot(way, way);
+    return {way, distance2, std::sqrt(distance2)};
+}
+
+/// An angle in [0, pi] by its sine and cosine.
+struct Angle {
+    float sine, cosine;
+
+    static Angle from_cosine(float c) noexcept {
+        return {std::sqrt(std::max(0.0f, 1.0f - c * c)), c};
+    }
+    static Angle from_sine_acute(float s) noexcept {
+        return {s, std::sqrt(std::max(0.0f, 1.0f - s * s))};
+    }
+};
+
+/// max(0, a - b).
+inline Angle subtract_clamped(Angle a, Angle b) noexcept {
+    if (a.cosine >= b.cosine) return {0.0f, 1.0f};
+    return {a.sine * b.cosine - a.cosine * b.sine, a.cosine * b.cosine + a.sine * b.sine};
+}
+
+/// The largest cosine with which anything in a cone of normals (axis, theta_o) may emit into a
+/// direction at cos_theta from the axis, from anywhere in a sphere that fills `half_view`; 0 where
+/// nothing can.
+inline float emitter_cosine(float cos_theta, Angle theta_o, float cos_theta_e,
+                            Angle half_view) noexcept {
+    const Angle from_normal = subtract_clamped(Angle::from_cosine(cos_theta), theta_o);
+    const float cosine = subtract_clamped(from_normal, half_view).cosine;
+    return cosine > cos_theta_e ? cosine : 0.0f;
+}
+
+/// The least mean squared distance. A point on a light without extent is closer: the light gives it
+/// nothing that is defined, and 1 / d^2 would outweigh all that others give.
+inline constexpr float kMinDistance = 1e-15f, kMinDistance2 = kMinDistance * kMinDistance;
+
+/// The axis of a light, of about unit length.
+inline float3 axis_of(const LightRecord& light) noexcept {
+    return float3{static_cast<float>(light.axis[0]), static_cast<float>(light.axis[1]),
+                  static_cast<float>(light.axis[2])} *
+           LightRecord::kSnorm;
+}
+
+/// Of a glossy lobe of that 1 / alpha^2 - 1 about an axis (unit length), the root of what its
+/// intensity towards the point falls by: the distance over that of [TH17] Eq. 12.
+inline float lobe_fall_off(float3 axis, float sharpness, const Approach& way) noexcept {
+    const float along = -dot(axis, way.way);
+    // The square of the sine of half the angle; (1 - cosine) / 2 would cancel near the axis.
+    float half_sine2 = 0.5f * (1.0f - along / way.distance);
+    if (along > 0.0f) {
+        const float3 across = cross(axis, way.way);
+        half_sine2 = 0.5f * dot(across, across) / (way.distance * (way.distance + along));
+    }
+    return 1.0f + sharpness * half_sine2;
+}
+
+/// 1 / alpha^2 - 1 of a glossy point.
+inline float lobe_sharpness(const LightRecord& light) noexcept {
+    return 1.0f / (light.alpha() * light.alpha()) - 1.0f;
+}
+
+/// The angle that a light's bounding sphere fills, half of it; the point is outside.
+inline Angle half_view_of(const LightRecord& light, const Approach& way) noexcept {
+    return Angle::from_sine_acute(light.radius / way.distance);
+}
+
+inline float emitter_bound(const LightRecord& light, const Approach& way,
+                           Angle half_view) noexcept {
+    float cos_theta = std::clamp(-dot(axis_of(light), way.direction()), -1.0f, 1.0f);
+    if (light.two_sided != 0) cos_theta = std::abs(cos_theta);
+    const Angle theta_o =
+        Angle::from_cosine(static_cast<float>(light.cos_theta_o) * LightRecord::kSnorm);
+    return emitter_cosine(cos_theta, theta_o,
+                          static_cast<float>(light.cos_theta_e) * LightRecord::kSnorm, half_view);
+}
+
+/// The mean over a light of max(0, c), where c is a height above some plane: `height` at the
+/// light's centre, of a variance of `variance`.
+inline float mean_above(float height, float variance) noexcept {
+    return 0.5f * (height + std::sqrt(height * height + variance));
+}
+
+/// Of triangles of common shapes, the mean squared distance from the centre of the bounding sphere
+/// is this times the square of its radius.
+inline constexpr float kSpread = 0.25f;
+/// The variance of a height over a light, by its spread.
+inline constexpr float kHeightSpread = 0.375f;
+/// What rounding the axis to 16 bits may add to a cosine.
+inline constexpr float kAxisRounding = 5e-5f;
+
+/// What a receiver does with light, as the importance takes it.
+struct Receiver {
+    float3 normal;  ///< 0: light from all sides counts alike
+    float diffuse = 1.0f;
+    float3 axis{0, 0, 1};  ///< of the glossy lobe
+    float alpha2 = 1.0f;   ///< the square of its alpha
+    float peak = 0.0f;     ///< 0: diffuse alone, whose albedo then does not matter
+
+    /// Diffuse.
+    Receiver(float3 n) noexcept : normal(n) {}
+    explicit Receiver(const ShadingPoint& point) noexcept
+        : normal(point.normal),
+          diffuse(point.diffuse),
+          axis(point.lobe.axis),
+          alpha2(point.lobe.alpha * point.lobe.alpha),
+          peak(point.lobe.peak) {}
+};
+
+/// The mean over a light of a GlossyLobe: in its formula alpha^2 grows by what the light's spread
+/// adds to the mean of (1 - c) / 2, and the peak falls so that the lobe holds as much as before.
+inline float mean_of_lobe(float peak, float alpha2, float cosine, float angular_spread) noexcept {
+    const float width = alpha2 + 0.25f * angular_spread;
+    const float inverse = 1.0f / (width + 0.5f * (1.0f - cosine));
+    return peak * alpha2 * width * inverse * inverse;
+}
+
+/// An estimate of g_i(x) of [TH16] Eq. 9, what the light gives a point but for visibility:
+/// intensity by the mean squared distance, by the mean cosine at the emitter and the mean of cosine
+/// times BSDF at the receiver. 0 only where the light cannot reach x. Largest cosines, as the paper
+/// has them for the receiver, would favour near lights wherever they face.
+inline float importance(const LightRecord& light, const Approach& way,
+                        const Receiver& receiver) noexcept {
+    const float spread = kSpread * light.radius * light.radius;
+    const float mean_distance2 = way.distance2 + spread;
+    if (!(mean_distance2 > kMinDistance2)) return 0.0f;
+    const float inverse = 1.0f / std::sqrt(mean_distance2);
+
+    const float3 normal = receiver.normal;
+    float received = 1.0f;
+    if (normal.x != 0.0f || normal.y != 0.0f || normal.z != 0.0f) {
+        const float height = dot(normal, way.way);
+        if (height + light.radius <= 0.0f) return 0.0f;
+        received = mean_above(height, kHeightSpread * spread) * inverse;
+    }
+    if (receiver.peak > 0.0f) {
+        const float cosine = dot(receiver.axis, way.way) * inverse;
+        received = receiver.diffuse * received +
+                   mean_of_lobe(receiver.peak, receiver.alpha2, cosine, spread * inverse * inverse);
+    }
+
+    float emitter = 1.0f;
+    if (light.cos_theta_o == LightRecord::kFlat) {
+        // One height above the plane of the light holds for all of it.
+        float height = -dot(axis_of(light), way.way);
+        if (light.two_sided != 0) height = std::abs(height);
+        emitter = std::min(height * inverse + kAxisRounding, 1.0f);
+    } else if (light.is_glossy()) {
+        const float3 axis = axis_of(light);
+        const float fall_off =
+            lobe_fall_off(axis * (1.0f / length(axis)), lobe_sharpness(light), way);
+        emitter = 1.0f / (fall_off * fall_off);
+    } else if (way.distance > light.radius) {
+        emitter = emitter_bound(light, way, half_view_of(light, way));
+    }
+    if (!(emitter > 0.0f)) return 0.0f;
+    return light.intensity * inverse * inverse * received * emitter;
+}
+
+}  // namespace lightcull

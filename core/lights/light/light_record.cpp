@@ -1,0 +1,125 @@
+#include "lights/light/light_record.h"
+
+#include <lightcull/error.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+namespace lightcull {
+namespace {
+
+constexpr float kLeastLobeAlpha = 1e-3f;
+
+[[noreturn]] void fail(std::size_t light, const char* field, const std::string& what) {
+    throw Error("light " + std::to_string(light) + ": " + field + " " + what);
+}
+
+void check_range(std::size_t light, const char* field, float value, float low, float high) {
+    if (!(value >= low && value <= high)) {
+        fail(light, field,
+             "is " + std::to_string(value) + ", wanted " + std::to_string(low) + " to " +
+                 std::to_string(high));
+    }
+}
+
+void check_glossy(std::size_t i, const Light& light) {
+    check_range(i, "lobe_alpha", light.lobe_alpha, kLeastLobeAlpha, 1.0f);
+    check_range(i, "radius of a glossy point", light.radius, 0.0f, 0.0f);
+    check_range(i, "cos_theta_o of a glossy point", light.cos_theta_o, -1.0f, -1.0f);
+    if (light.two_sided) fail(i, "two_sided", "is set, and it is a glossy point");
+}
+
+void check(std::size_t i, const Light& light) {
+    constexpr float kMaxIntensity = 3e38f;
+    constexpr float kAxisTolerance = 1e-3f;
+    if (!is_finite(light.center)) fail(i, "center", "is not finite");
+    if (!std::isfinite(light.radius) || light.radius < 0.0f) {
+        fail(i, "radius", "is " + std::to_string(light.radius) + ", wanted finite and >= 0");
+    }
+    if (!(light.intensity >= 0.0f && light.intensity <= kMaxIntensity)) {
+        fail(i, "intensity", "is " + std::to_string(light.intensity) + ", wanted finite and >= 0");
+    }
+    check_range(i, "cos_theta_o", light.cos_theta_o, -1.0f, 1.0f);
+    check_range(i, "cos_theta_e", light.cos_theta_e, 0.0f, 1.0f);
+    if (light.lobe_alpha != 0.0f) check_glossy(i, light);
+    const bool needs_axis = light.cos_theta_o > -1.0f || light.lobe_alpha != 0.0f;
+    if (needs_axis && !(std::abs(length(light.axis) - 1.0f) < kAxisTolerance)) {
+        fail(i, "axis", "has length " + std::to_string(length(light.axis)) + ", wanted 1");
+    }
+}
+
+std::int16_t to_snorm(float value) noexcept {
+    return static_cast<std::int16_t>(std::lround(std::clamp(value, -1.0f, 1.0f) * 32767.0f));
+}
+
+/// A cosine rounded down, so that the cone can only grow. The margin covers the rounding of the
+/// axis, which is below 3e-5 radians.
+std::int16_t to_wider_cone(float cosine, double margin) noexcept {
+    const double angle =
+        std::min(std::acos(static_cast<double>(cosine)) + margin, 3.14159265358979);
+    return static_cast<std::int16_t>(std::floor(std::cos(angle) * 32767.0));
+}
+
+LightRecord to_record(const Light& light, const Frame& frame) noexcept {
+    constexpr double kAxisRounding = 5e-5;
+    LightRecord record{};
+    record.center = frame.position(light.center);
+    record.radius = light.radius * frame.inv_scale;
+    record.intensity = light.intensity / frame.intensity;
+    record.two_sided = light.two_sided ? 1 : 0;
+    if (light.cos_theta_o > -1.0f || light.lobe_alpha > 0.0f) {
+        record.axis[0] = to_snorm(light.axis.x);
+        record.axis[1] = to_snorm(light.axis.y);
+        record.axis[2] = to_snorm(light.axis.z);
+    }
+    record.cos_theta_o = light.cos_theta_o == 1.0f
+                             ? LightRecord::kFlat
+                             : to_wider_cone(light.cos_theta_o, kAxisRounding);
+    record.cos_theta_e = std::max<std::int16_t>(0, to_wider_cone(light.cos_theta_e, 0.0));
+    if (light.lobe_alpha > 0.0f) record.cos_theta_e = to_snorm(-light.lobe_alpha);
+    return record;
+}
+
+Frame make_frame(Span<const Light> lights) noexcept {
+    constexpr float kHuge = 3e38f;
+    float3 low{kHuge, kHuge, kHuge}, high{-kHuge, -kHuge, -kHuge};
+    float brightest = 0.0f;
+    for (const Light& light : lights) {
+        if (!(light.intensity > 0.0f)) continue;
+        const float3 r{light.radius, light.radius, light.radius};
+        low = min(low, light.center - r);
+        high = max(high, light.center + r);
+        brightest = std::max(brightest, light.intensity);
+    }
+    if (brightest == 0.0f) return {};
+    const float3 half = (high * 0.5f) - (low * 0.5f);
+    const float extent = std::max({half.x, half.y, half.z});
+    return {low * 0.5f + high * 0.5f, extent > 0.0f ? 1.0f / extent : 1.0f, brightest};
+}
+
+}  // namespace
+
+LightTable make_light_table(Span<const Light> lights) {
+    constexpr std::size_t kMaxLights = std::size_t{1} << 30;
+    if (lights.size() > kMaxLights) {
+        throw Error("too many lights: " + std::to_string(lights.size()) + ", at most " +
+                    std::to_string(kMaxLights));
+    }
+    for (std::size_t i = 0; i < lights.size(); ++i) check(i, lights[i]);
+
+    LightTable table;
+    table.frame = make_frame(lights);
+    table.records.reserve(lights.size());
+    for (std::size_t i = 0; i < lights.size(); ++i) {
+        table.records.push_back(to_record(lights[i], table.frame));
+        // Relative to the brightest, the faintest may vanish; then no path would ever miss it.
+        if (table.records.back().intensity > 0.0f) {
+            table.lit.push_back(static_cast<std::uint32_t>(i));
+            table.has_glossy |= table.records.back().is_glossy();
+        }
+    }
+    return table;
+}
+
+}  // namespace lightcull

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <lightcull/span.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "lights/ranges/ranges.h"
+#include "lights/ranges/sphere_tree.h"
+#include "lights/ranges/sphere_tree_refit.h"
+#include "lights/ranges/sphere_tree_walk.h"
+
+namespace lightcull {
+
+/// The sphere tree with the random ranges of a pass: finds what is accepted at a point. Lights are
+/// numbered by record, in the order of the tree's leaves.
+class RangeTree {
+  public:
+    RangeTree(Span<const RangedLight> lights, const RandomRanges& ranges);
+
+    /// Draws all ranges of the pass and refits the tree. Runs in the caller's TBB arena.
+    void begin_pass(std::uint64_t pass);
+
+    const RandomRanges& ranges() const noexcept { return ranges_; }
+    const SphereTree& tree() const noexcept { return tree_; }
+    const RangedLight& record(std::uint32_t record) const noexcept { return tree_.records[record]; }
+    /// [node][slot]
+    const float* radii(std::uint32_t set) const noexcept {
+        return radii_.data() + set * tree_.slot_count();
+    }
+
+    /// Calls visit(Span of records) for whatever is accepted at a point in `set`, some at a time,
+    /// but for what lies below its horizon. Returns the number of nodes read.
+    template <typename Visit>
+    std::uint32_t for_accepted(const LightBvhPoint& point, std::uint32_t set,
+                               Visit&& visit) const noexcept {
+        return traverse(tree_, radii(set), point, visit);
+    }
+
+    /// Whether a range covers the point: to the bit what for_each_accepted() finds.
+    bool accepts(std::uint32_t record, std::uint32_t set, const Approach& way) const noexcept {
+        return ranges_.accepts(tree_.records[record], way, ranges_.xi(record, set));
+    }
+
+    /// 1 / p.
+    float inverse_prob(std::uint32_t record, const Approach& way) const noexcept {
+        const RangedLight& light = tree_.records[record];
+        return ranges_.inverse_prob(light.intensity, light.distance(way));
+    }
+
+    std::size_t memory_size() const noexcept;
+
+  private:
+    /// The radii of sets [first_set, first_set + set_count).
+    void refit(std::uint32_t first_set, std::uint32_t set_count);
+
+    RandomRanges ranges_;
+    SphereTree tree_;
+    RefitOrder refit_order_;
+    std::vector<float> radii_;   ///< [set][node][slot]
+    std::vector<float> around_;  ///< what a refit works with
+};
+
+}  // namespace lightcull

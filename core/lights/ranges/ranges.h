@@ -1,0 +1,132 @@
+#pragma once
+
+#include <lightcull/span.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "base/random.h"
+#include "base/scramble.h"
+#include "lights/light/importance.h"
+#include "lights/ranges/pattern.h"
+
+namespace lightcull {
+
+/// A light, or lights that share a range, as ranges see them: units of a LightTable.
+struct RangedLight {
+    float3 center;
+    float radius;     ///< of a sphere that holds it
+    float intensity;  ///< of all of it
+
+    /// From a point to that sphere; 0 inside.
+    float distance(const Approach& way) const noexcept {
+        return std::max(way.distance - radius, 0.0f);
+    }
+};
+static_assert(sizeof(RangedLight) == 20 && alignof(RangedLight) == 4);
+static_assert(offsetof(RangedLight, radius) == 12 && offsetof(RangedLight, intensity) == 16);
+
+/// What a light's range depends on.
+enum class RangeLaw {
+    kRandom,    ///< [TH16] Eq. 3
+    kConstant,  ///< xi is always 1: [TH16] appendix A
+};
+
+/// The random ranges of one pass: for each light and set a number xi, its range, and whether a
+/// point is within it. Lights are numbered as the caller of these functions likes, always alike.
+class RandomRanges {
+  public:
+    /// reach: E / (2 pi epsilon_max) in the units of a LightTable, so that 1 / alpha_i of [TH16]
+    /// Eq. 7 is reach * intensity.
+    RandomRanges(float reach, std::uint32_t set_count, RangeLaw law = RangeLaw::kRandom)
+        : reach_(reach), law_(law), ranks_(set_count) {
+        const std::uint32_t log4_sets = log4_of(set_count);
+        for (std::uint32_t set = 0; set < set_count; ++set) {
+            const std::uint64_t rank = rank_of_set(set, log4_sets);
+            ranks_[set] = static_cast<std::uint32_t>((rank << 32) / set_count);
+        }
+    }
+
+    void begin_pass(std::uint64_t pass) noexcept {
+        const std::uint64_t key = mix(pass + 0x51ca11ab1eu);
+        key_low_ = static_cast<std::uint32_t>(key);
+        key_high_ = static_cast<std::uint32_t>(key >> 32);
+    }
+
+    float reach() const noexcept { return reach_; }
+    std::uint32_t set_count() const noexcept { return static_cast<std::uint32_t>(ranks_.size()); }
+
+    // What xi() is made from, for other back ends.
+    std::uint32_t key_low() const noexcept { return key_low_; }
+    std::uint32_t key_high() const noexcept { return key_high_; }
+    /// By set, as a fraction of 2^32.
+    Span<const std::uint32_t> ranks() const noexcept { return ranks_; }
+
+    /// xi_i of the light in a set: uniform in (0, 1], independent from light to light, and in set s
+    /// that of set 0 turned by rank(s) / set_count. The exponent is a full one: 2^-56 can occur.
+    float xi(std::uint32_t light, std::uint32_t set) const noexcept {
+        return turned(digits(light), set);
+    }
+
+    /// The distance, from a light's bounding sphere, at which p_i falls to xi: [TH16] Eq. 3.
+    float range(float intensity, float xi) const noexcept {
+        return std::sqrt(limit(intensity) / xi);
+    }
+
+    /// The ranges of a light in sets first_set and following.
+    template <std::size_t kSets>
+    void ranges(std::uint32_t light, std::uint32_t first_set, float intensity,
+                std::array<float, kSets>& out) const noexcept {
+        const Digits of_light = digits(light);
+        for (std::uint32_t i = 0; i < kSets; ++i) {
+            out[i] = range(intensity, turned(of_light, first_set + i));
+        }
+    }
+
+    /// The square of the range of a light of that intensity at xi = 1: 1 / alpha_i.
+    float limit(float intensity) const noexcept {
+        return std::max(reach_ * intensity, kLeastLimit);
+    }
+
+    /// Whether p_i > xi_i for the range that xi_i gives. The sphere tree tests its leaves by the
+    /// same arithmetic.
+    bool accepts(const RangedLight& light, const Approach& way, float xi) const noexcept {
+        const float radius = range(light.intensity, xi) + light.radius;
+        return way.distance2 <= radius * radius;
+    }
+
+    /// 1 / p_i at a distance from the bounding sphere, 0 inside: [TH16] Eq. 1.
+    float inverse_prob(float intensity, float distance) const noexcept {
+        return std::max(distance * distance * (1.0f / limit(intensity)), 1.0f);
+    }
+
+    /// Has an inverse.
+    static constexpr float kLeastLimit = 1e-36f;
+
+  private:
+    /// xi before it is turned, as high * 2^-32 + low * 2^-56.
+    struct Digits {
+        std::uint32_t high;
+        float low;
+    };
+
+    Digits digits(std::uint32_t light) const noexcept {
+        if (law_ == RangeLaw::kConstant) return {0xffffffffu, 0x1p24f};
+        const std::uint32_t high = scramble(scramble(light ^ key_low_) + key_high_);
+        return {high, static_cast<float>(scramble(high + key_low_) >> 8) + 1.0f};
+    }
+    float turned(Digits digits, std::uint32_t set) const noexcept {
+        return (static_cast<float>(digits.high + ranks_[set]) + digits.low * 0x1p-24f) * 0x1p-32f;
+    }
+
+    float reach_;
+    RangeLaw law_;
+    std::uint32_t key_low_ = 0, key_high_ = 0;
+    std::vector<std::uint32_t> ranks_;
+};
+
+}  // namespace lightcull

@@ -1,0 +1,31 @@
+#include "lights/ranges/set_count.h"
+
+#include <lightcull/error.h>
+
+#include <string>
+
+#include "lights/ranges/pattern.h"
+
+namespace lightcull {
+
+void check_set_count(std::uint32_t set_count) {
+    const bool in_range = set_count >= 1 && set_count <= kMaxSetCount;
+    if (!in_range || (1u << (2 * log4_of(set_count))) != set_count) {
+        throw Error("sets is " + std::to_string(set_count) + ", wanted a power of 4 from 1 to " +
+                    std::to_string(kMaxSetCount));
+    }
+}
+
+std::uint32_t suitable_set_count(std::size_t lights, std::uint32_t points_per_pass) noexcept {
+    constexpr std::uint32_t kFew = 16, kUsual = 64, kMany = 256;
+    // With fewer points to a set, refits cost as much as selections, and packets spread.
+    constexpr std::uint32_t kPointsPerSet = 4000;
+    if (points_per_pass == 0) return kUsual;
+    if (std::size_t{points_per_pass} * 3 < lights) return kFew;
+    for (const std::uint32_t sets : {kMany, kUsual}) {
+        if (points_per_pass / sets >= kPointsPerSet) return sets;
+    }
+    return kFew;
+}
+
+}  // namespace lightcull

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "lights/ranges/ranges.h"
+#include "lights/ranges/sphere_tree.h"
+
+namespace lightcull {
+
+/// A sweep over the nodes of a sphere tree that computes all radii of some sets.
+struct Refit {
+    const SphereTree& tree;
+    const RandomRanges& ranges;
+    std::uint32_t first_set, set_count;  ///< set_count: 1, 4 or kMaxSets
+    float* radii;                        ///< of first_set: [set][node][slot]
+    float* around;                       ///< [node][set]: of a sphere around all of a node
+
+    static constexpr std::uint32_t kMaxSets = 16;
+};
+
+/// Parts of a tree that can be refitted side by side, and then what is above them.
+struct RefitOrder {
+    struct Part {
+        std::uint32_t begin, end;  ///< nodes
+    };
+    std::vector<Part> side_by_side, afterwards;
+};
+
+/// For about `part_count` parts.
+RefitOrder make_refit_order(const SphereTree& tree, std::uint32_t part_count);
+
+}  // namespace lightcull

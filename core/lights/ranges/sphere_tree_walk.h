@@ -1,0 +1,77 @@
+#pragma once
+
+#include <cassert>
+
+#include "lights/ranges/sphere_tree.h"
+#include "lights/simd/kernels.h"
+
+namespace lightcull {
+
+/// Where a traversal stands: nodes that are still to be read. The one found first is read next, so
+/// that none waits for what was just computed; in a tree of more nodes than there is room for, the
+/// one found last. Either way the order is the tree's: whatever else is visited, two leaves are
+/// found in the same one.
+class TreeWalk {
+  public:
+    static bool is_first_in_first_out(const SphereTree& tree) noexcept {
+        return tree.nodes.size() <= kRoom;
+    }
+
+    explicit TreeWalk(const SphereTree& tree) noexcept
+        : first_in_first_out_(is_first_in_first_out(tree)) {
+        *new_nodes() = 0;
+        if (!tree.empty()) add(1);
+    }
+
+    bool over() const noexcept { return begin_ == end_; }
+    std::uint32_t take() noexcept {
+        assert(!over());
+        return nodes_[first_in_first_out_ ? begin_++ : --end_];
+    }
+
+    /// Where to write what is found, up to SphereNode::kWidth nodes.
+    std::uint32_t* new_nodes() noexcept { return nodes_ + end_; }
+    /// After `count` of them were written.
+    void add(std::uint32_t count) noexcept {
+        end_ += count;
+        assert(end_ <= kRoom);
+    }
+
+  private:
+    /// 64 KiB on the stack, of which little is touched; last in, first out takes twice the time.
+    static constexpr std::uint32_t kRoom = 16384;
+    /// Depth first, all but one of the children of each node on the way down may wait.
+    static_assert(kRoom > SphereTree::kMaxDepth * (SphereNode::kWidth - 1));
+
+    bool first_in_first_out_;
+    std::uint32_t begin_ = 0, end_ = 0;
+    std::uint32_t nodes_[kRoom + SphereNode::kWidth];
+};
+
+/// The records whose spheres hold the point, as many as find_leaves() found at a time.
+struct FoundLeaves {
+    static constexpr std::uint32_t kCapacity = 64;
+
+    std::uint32_t records[kCapacity];
+    std::uint32_t count = 0;
+    std::uint32_t nodes_visited = 0;  ///< by all calls together
+
+    Span<const std::uint32_t> all() const noexcept { return {records, count}; }
+};
+
+/// Calls visit(Span of records) for the leaves whose spheres hold the point and whose lights may be
+/// above its horizon, some at a time. Returns the number of nodes read.
+template <typename Visit>
+std::uint32_t traverse(const SphereTree& tree, const float* radii, const LightBvhPoint& point,
+                       Visit&& visit) noexcept {
+    const auto find_leaves = kernels().find_leaves;
+    TreeWalk walk(tree);
+    FoundLeaves found;
+    while (!walk.over()) {
+        find_leaves(tree, radii, point, walk, found);
+        visit(found.all());
+    }
+    return found.nodes_visited;
+}
+
+}  // namespace lightcull

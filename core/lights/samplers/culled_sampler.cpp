@@ -1,0 +1,267 @@
+#include <lightcull/error.h>
+#include <lightcull/samplers.h>
+
+#include <hwy/cache_control.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "base/parallel_blocks.h"
+#include "base/reservoir.h"
+#include "lights/calibration/range_calibration.h"
+#include "lights/glossy/directed_culled_sampler.h"
+#include "lights/ranges/set_count.h"
+#include "lights/samplers/culled_scene.h"
+#include "lights/samplers/point_order.h"
+#include "lights/simd/kernels.h"
+
+namespace lightcull {
+namespace {
+
+/// Every accepted group of lights is weighed by g / p while the tree is walked, and one is kept;
+/// its light is then found down a light BVH. The mean over xi of [i accepted] (g_i / p_i) / W /
+/// prob is 1 for prob = g_i / W.
+///
+/// Where no group is accepted, the light BVH chooses among all lights, so that a point that few
+/// ranges cover, or only those of dim lights, is not left in the dark. Given the ranges of all
+/// others, a group that is accepted alone is chosen with p + (1 - p) q, where q is what the BVH
+/// gives it: that is prob then, whichever way it was chosen.
+class CulledSampler final : public CulledSamplerBase {
+  public:
+    CulledSampler(const Frame& frame, LightGroups groups, const RandomRanges& ranges)
+        : frame_(frame), groups_(std::move(groups)), tree_(groups_.ranged(), ranges) {
+        groups_.reorder(tree_.tree().order);
+    }
+
+    CulledScene scene() const noexcept override { return {frame_, groups_, tree_}; }
+
+    void begin_pass(std::uint64_t pass) override { tree_.begin_pass(pass); }
+
+    Selection select(const ShadingPoint& point, float u) const noexcept override {
+        const LightBvhPoint x = to_local(point);
+        GroupChoice choice;
+        tree_.for_accepted(x, point.set, [&](Span<const std::uint32_t> records) {
+            kernels().weigh_groups(tree_, groups_.groups.data(), records, x, float_bits(u), choice);
+        });
+        LightBvhDescent descent;
+        descent.point = x;
+        start(choice, u, descent);
+        kernels().means.descend(groups_.bvh, {&descent, 1});
+        return result(descent, receipt_of(point.set, choice, x));
+    }
+
+    /// Sixteen points at a time, of one set and near each other.
+    void select(Span<const ShadingPoint> points, Span<const float> u,
+                Span<Selection> selections) const noexcept override {
+        const std::vector<std::uint32_t> order = order_points(points, set_count());
+        constexpr std::size_t kBlock = 16 * PointPacket::kSize;
+        for_each_block(points.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+            while (begin < end) {
+                begin += select_some({order.data() + begin, end - begin}, points, u, selections);
+            }
+        });
+    }
+
+    /// Of the group g / W', with W' = W if it was accepted, else W + w (DESIGN section 3, MIS),
+    /// unless no other was accepted; times that of the light within it.
+    float prob(const ShadingPoint& point, const Receipt& receipt,
+               std::uint32_t light) const noexcept override {
+        const std::uint32_t index = groups_.group_of[light];
+        if (index == LightGroups::kNoGroup) return 0.0f;
+        const LightGroup& group = groups_.groups[index];
+        const LightBvhPoint x = to_local(point);
+        const float g = importance(group, x);
+        const Approach way = approach(x.position, group.position());
+        const bool accepted = g > 0.0f && tree_.accepts(index, receipt.key, way);
+        if (receipt.weight_sum == 0.0f || (accepted && is_alone(receipt))) {
+            return prob_without_others(x, index, light);
+        }
+        if (!(g > 0.0f)) return 0.0f;
+        const float sum = accepted
+                              ? receipt.weight_sum
+                              : std::abs(receipt.weight_sum) + g * tree_.inverse_prob(index, way);
+        return prob_of_light(x, group, light, static_cast<double>(g / sum));
+    }
+
+    std::uint32_t set_count() const noexcept override { return tree_.ranges().set_count(); }
+
+    SelectionCounts count(const ShadingPoint& point) const noexcept override {
+        const LightBvhPoint x = to_local(point);
+        SelectionCounts counts;
+        counts.nodes_visited =
+            tree_.for_accepted(x, point.set, [&](Span<const std::uint32_t> records) {
+                for (const std::uint32_t record : records) {
+                    ++counts.lights_tested;
+                    counts.accepted += importance(groups_.groups[record], x) > 0.0f ? 1 : 0;
+                }
+            });
+        return counts;
+    }
+
+    std::size_t memory_size() const noexcept override {
+        return groups_.memory_size() + tree_.memory_size();
+    }
+
+  private:
+    LightBvhPoint to_local(const ShadingPoint& point) const noexcept {
+        return {frame_.position(point.position), Receiver(point)};
+    }
+
+    static bool is_alone(const Receipt& receipt) noexcept { return receipt.weight_sum < 0.0f; }
+
+    /// Of a light in a group of that probability.
+    float prob_of_light(const LightBvhPoint& x, const LightGroup& group, std::uint32_t light,
+                        double prob_of_group) const noexcept {
+        const bool alone = (group.child[0] & LightBvhNode::kLight) != 0;
+        if (alone) return static_cast<float>(prob_of_group);
+        const LightBvhSlot slot = groups_.bvh.slots[light];
+        return static_cast<float>(
+            kernels().means.prob_of_slot(groups_.bvh, x, slot, prob_of_group));
+    }
+
+    /// Of a light where no group is accepted, or its own alone.
+    float prob_without_others(const LightBvhPoint& x, std::uint32_t index,
+                              std::uint32_t light) const noexcept {
+        const LightGroup& group = groups_.groups[index];
+        const Approach way = approach(x.position, group.position());
+        double p = 0.0;
+        if (importance(group, x) > 0.0f) {
+            p = 1.0 / static_cast<double>(tree_.inverse_prob(index, way));
+        }
+        const double q = kernels().means.prob_of_slot(groups_.bvh, x, groups_.slots[index], 1.0);
+        return prob_of_light(x, group, light, p + (1.0 - p) * q);
+    }
+
+    /// Puts a descent at the top of the group that was chosen, or of all if none was.
+    void start(const GroupChoice& choice, float u, LightBvhDescent& descent) const noexcept {
+        if (choice.weight_sum > 0.0f) {
+            descent.place = uniform_double(hash(float_bits(u), choice.record));
+            descent.prob = static_cast<double>(choice.numerator / choice.weight_sum);
+            descent.child = groups_.groups[choice.record].child[0];
+        } else if (!groups_.bvh.nodes.empty()) {
+            descent.place = uniform_double(hash(float_bits(u), LightGroups::kNoGroup));
+            descent.prob = 1.0;
+            descent.child = 0;
+        } else {
+            descent.prob = 0.0;
+            descent.child = LightBvhNode::kLight;
+        }
+    }
+
+    /// With the weight of a group that was accepted alone negative, unless its p is 1, which makes
+    /// no difference.
+    Receipt receipt_of(std::uint32_t set, const GroupChoice& choice,
+                       const LightBvhPoint& x) const noexcept {
+        const bool alone = may_be_alone(choice, x) && accepted_count(x, set) == 1;
+        return {alone ? -choice.weight_sum : choice.weight_sum, set};
+    }
+
+    /// Whether the weight of the chosen group is the sum of all. Others may have been accepted and
+    /// yet be too light to change it.
+    bool may_be_alone(const GroupChoice& choice, const LightBvhPoint& x) const noexcept {
+        const float g = choice.numerator, sum = choice.weight_sum;
+        if (!(g < sum)) return false;
+        const LightGroup& group = groups_.groups[choice.record];
+        const Approach way = approach(x.position, group.position());
+        // First a bound on the weight, which is cheap.
+        constexpr float kRoundUp = 1.0f + 1e-5f;
+        const float limit = tree_.ranges().limit(group.intensity[0]);
+        if (sum * limit > g * way.distance2 * kRoundUp) return false;
+        return g * tree_.inverse_prob(choice.record, way) == sum;
+    }
+
+    std::uint32_t accepted_count(const LightBvhPoint& x, std::uint32_t set) const noexcept {
+        std::uint32_t count = 0;
+        tree_.for_accepted(x, set, [&](Span<const std::uint32_t> records) {
+            for (const std::uint32_t record : records) {
+                count += importance(groups_.groups[record], x) > 0.0f ? 1 : 0;
+            }
+        });
+        return count;
+    }
+
+    Selection result(const LightBvhDescent& descent, const Receipt& receipt) const noexcept {
+        if (!(descent.prob > 0.0)) return {0, 0.0f, receipt};
+        const std::uint32_t light = descent.child & ~LightBvhNode::kLight;
+        if (receipt.weight_sum > 0.0f) return {light, static_cast<float>(descent.prob), receipt};
+        const float prob = prob_without_others(descent.point, groups_.group_of[light], light);
+        return {light, prob, receipt};
+    }
+
+    /// As many of the points that `order` names as go into one packet; their number.
+    std::size_t select_some(Span<const std::uint32_t> order, Span<const ShadingPoint> points,
+                            Span<const float> u, Span<Selection> selections) const noexcept {
+        const std::uint32_t set = points[order[0]].set;
+        PacketBuilder builder(set);
+        std::array<LightBvhDescent, PointPacket::kSize> descents;
+        std::size_t count = 0;
+        while (count < std::min(order.size(), PointPacket::kSize) &&
+               points[order[count]].set == set) {
+            const std::uint32_t i = order[count];
+            descents[count].point = to_local(points[i]);
+            builder.add(descents[count++].point, u[i]);
+        }
+        while (builder.size() < PointPacket::kSize) {
+            builder.add(descents[0].point, u[order[0]]);  // to fill it
+        }
+        const std::size_t next = std::min(order.size() - count, PointPacket::kSize);
+        prefetch({order.data() + count, next}, points, u, selections);
+        PacketChoice packet{};
+        kernels().select_packet(tree_, groups_.groups.data(), builder.packet(), packet);
+        std::array<Receipt, PointPacket::kSize> receipts;
+        for (std::size_t i = 0; i < count; ++i) {
+            const GroupChoice choice{packet.weight_sum[i], packet.numerator[i], packet.record[i]};
+            receipts[i] = receipt_of(set, choice, descents[i].point);
+            start(choice, u[order[i]], descents[i]);
+        }
+        kernels().means.descend(groups_.bvh, {descents.data(), count});
+        for (std::size_t i = 0; i < count; ++i) {
+            selections[order[i]] = result(descents[i], receipts[i]);
+        }
+        return count;
+    }
+
+    /// Of the points of the next packet what this one will read and write.
+    static void prefetch(Span<const std::uint32_t> order, Span<const ShadingPoint> points,
+                         Span<const float> u, Span<Selection> selections) noexcept {
+        for (const std::uint32_t i : order) {
+            hwy::Prefetch(&points[i]);
+            hwy::Prefetch(&points[i].lobe.peak);
+            hwy::Prefetch(&u[i]);
+            hwy::Prefetch(&selections[i]);
+        }
+    }
+
+    Frame frame_;
+    LightGroups groups_;
+    RangeTree tree_;
+};
+
+}  // namespace
+
+std::unique_ptr<LightSampler> make_culled_sampler(Span<const Light> lights,
+                                                  const CulledOptions& options) {
+    check_set_count(options.set_count);
+    if (options.group_size == 0u) throw Error("group is 0, wanted 1 or more");
+    const LightTable table = make_light_table(lights);
+    if (table.has_glossy) {
+        if (options.group_size.value_or(1) != 1) {
+            throw Error("group is " + std::to_string(*options.group_size) +
+                        ", and there are glossy points, which do not share ranges");
+        }
+        const float reach =
+            calibrate_reach(directed_scene(table), options.range, RangeLaw::kRandom);
+        return make_directed_culled_sampler(table, reach, options.set_count);
+    }
+    LightGroups groups = make_light_groups(
+        table, options.group_size.value_or(suitable_group_size(table.lit.size())));
+    const float reach =
+        calibrate_reach(ranged_scene(groups, table.frame), options.range, RangeLaw::kRandom);
+    return std::make_unique<CulledSampler>(table.frame, std::move(groups),
+                                           RandomRanges(reach, options.set_count));
+}
+
+}  // namespace lightcull

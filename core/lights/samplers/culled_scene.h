@@ -1,0 +1,25 @@
+#pragma once
+
+#include <lightcull/light_sampler.h>
+
+#include "lights/groups/light_groups.h"
+#include "lights/light/light_record.h"
+#include "lights/ranges/range_tree.h"
+
+namespace lightcull {
+
+/// What `culled` chooses from.
+struct CulledScene {
+    const Frame& frame;
+    const LightGroups& groups;
+    const RangeTree& tree;  ///< over the groups
+};
+
+/// `culled`, for back ends that choose as it does.
+class CulledSamplerBase : public LightSampler {
+  public:
+    /// Lives as long as the sampler. Passes change the ranges of the tree.
+    virtual CulledScene scene() const noexcept = 0;
+};
+
+}  // namespace lightcull

@@ -1,0 +1,124 @@
+#include <lightcull/samplers.h>
+
+#include <algorithm>
+#include <array>
+
+#include "base/memory_size.h"
+#include "base/parallel_blocks.h"
+#include "base/refine.h"
+#include "lights/bvh/light_bvh.h"
+#include "lights/bvh/light_bvh_descend.h"
+#include "lights/simd/kernels.h"
+
+namespace lightcull {
+namespace {
+
+template <typename Node>
+class LightBvhSampler final : public LightSampler {
+  public:
+    explicit LightBvhSampler(const LightTable& table)
+        : frame_(table.frame), bvh_(build_light_bvh<Node>(table)) {}
+
+    void begin_pass(std::uint64_t) override {}
+
+    Selection select(const ShadingPoint& point, float u) const noexcept override {
+        if (bvh_.nodes.empty()) return {};
+        LightBvhDescent descent{to_local(point), refine(u, point)};
+        of_bvh().descend(bvh_, {&descent, 1});
+        return result(descent);
+    }
+
+    void select(Span<const ShadingPoint> points, Span<const float> u,
+                Span<Selection> selections) const noexcept override {
+        if (bvh_.nodes.empty()) {
+            std::fill(selections.begin(), selections.end(), Selection{});
+            return;
+        }
+        constexpr std::size_t kBlock = 16 * kMaxDescents;
+        for_each_block(points.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+            for (; begin < end; begin += kMaxDescents) {
+                const std::size_t count = std::min(end - begin, kMaxDescents);
+                select_some({points.data() + begin, count}, u.data() + begin,
+                            selections.data() + begin);
+            }
+        });
+    }
+
+    float prob(const ShadingPoint& point, const Receipt&,
+               std::uint32_t light) const noexcept override {
+        return static_cast<float>(
+            of_bvh().prob_of_slot(bvh_, to_local(point), bvh_.slots[light], 1.0));
+    }
+
+    /// Of the selection with u = 0.5. All children of the nodes on its way are tested; those that
+    /// are lights and have an importance above 0 are accepted.
+    SelectionCounts count(const ShadingPoint& point) const noexcept override {
+        SelectionCounts counts;
+        if (bvh_.nodes.empty()) return counts;
+        LightBvhDescent descent{to_local(point), refine(0.5f, point)};
+        of_bvh().descend(bvh_, {&descent, 1});
+        const std::uint32_t last = descent.prob > 0.0
+                                       ? bvh_.slots[result(descent).light] / LightBvhNode::kWidth
+                                       : descent.child;
+        for (std::uint32_t node = last;; node = bvh_.parents[node] / LightBvhNode::kWidth) {
+            add(bvh_.nodes[node], descent.point, counts);
+            if (node == 0) return counts;
+        }
+    }
+
+    std::size_t memory_size() const noexcept override {
+        return size_of(bvh_.nodes) + size_of(bvh_.parents) + size_of(bvh_.slots);
+    }
+
+  private:
+    static const LightBvhKernels<Node>& of_bvh() noexcept { return kernels().of_bvh<Node>(); }
+
+    /// At most kMaxDescents points, in turn, so that one waits for memory while others compute.
+    void select_some(Span<const ShadingPoint> points, const float* u,
+                     Selection* selections) const noexcept {
+        std::array<LightBvhDescent, kMaxDescents> descents;
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            descents[i] = {to_local(points[i]), refine(u[i], points[i])};
+        }
+        of_bvh().descend(bvh_, {descents.data(), points.size()});
+        for (std::size_t i = 0; i < points.size(); ++i) selections[i] = result(descents[i]);
+    }
+
+    LightBvhPoint to_local(const ShadingPoint& point) const noexcept {
+        return {frame_.position(point.position), Receiver(point)};
+    }
+
+    static void add(const Node& node, const LightBvhPoint& point,
+                    SelectionCounts& counts) noexcept {
+        ++counts.nodes_visited;
+        LightBvhImportances all;
+        of_bvh().importances(node, point, all.of);
+        for (std::size_t i = 0; i < LightBvhNode::kWidth; ++i) {
+            if (node.child[i] == LightBvhNode::kEmpty) continue;
+            ++counts.lights_tested;
+            const bool is_light = (node.child[i] & LightBvhNode::kLight) != 0;
+            if (is_light && all.of[i] > 0.0f) ++counts.accepted;
+        }
+    }
+
+    static Selection result(const LightBvhDescent& descent) noexcept {
+        if (!(descent.prob > 0.0)) return {};
+        return {descent.child & ~LightBvhNode::kLight, static_cast<float>(descent.prob), {}};
+    }
+
+    Frame frame_;
+    LightBvh<Node> bvh_;
+};
+
+}  // namespace
+
+std::unique_ptr<LightSampler> make_light_bvh_sampler(Span<const Light> lights,
+                                                     const LightBvhOptions& options) {
+    const LightTable table = make_light_table(lights);
+    if (options.importance == ClusterImportance::kMeans) {
+        return std::make_unique<LightBvhSampler<MeansNode>>(table);
+    }
+    return std::make_unique<LightBvhSampler<BoundsNode>>(table);
+}
+
+}  // namespace lightcull

@@ -1,0 +1,14 @@
+#pragma once
+
+#include "render/surface.h"
+#include "render/virtual_emitter.h"
+
+#include <vector>
+
+namespace lightcull {
+
+/// What `flux` (W) makes of a surface that it meets: none, one or two lights, appended to `lights`.
+void add_virtual_lights(const Surface& surface, const V3f& incoming, const V3f& flux,
+                        std::vector<VirtualLight>& lights);
+
+}  // namespace lightcull

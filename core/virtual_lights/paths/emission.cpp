@@ -1,0 +1,119 @@
+#include "virtual_lights/paths/emission.h"
+
+#include "render/warp.h"
+
+#include <ImathBox.h>
+#include <cmath>
+#include <vector>
+
+namespace lightcull {
+namespace {
+
+/// Uniform over the directions at a cosine of `least` and more to the axis.
+V3f uniform_cone(const V3f& axis, float least, const V2f& u) noexcept {
+    const V2f disk = uniform_disk(u);
+    const float height = (1.0f - least) * disk.dot(disk);  // 1 - cosine
+    const float stretch = std::sqrt((1.0f - least) * std::max(0.0f, 2.0f - height));
+    return Basis(axis).to_world({disk.x * stretch, disk.y * stretch, 1.0f - height});
+}
+
+LightRay point_ray(const PointEmitter& point, const V2f& u) noexcept {
+    return {{point.position, uniform_cone(V3f(0.0f, 0.0f, 1.0f), -1.0f, u)},
+            point.intensity * (4.0f * kPi)};
+}
+
+LightRay triangle_ray(const Scene::Impl& scene, const TriangleEmitter& triangle,
+                      const PathRandom& random) noexcept {
+    const V2f b = uniform_triangle(random.two(Dimension::kLightVertex));
+    const V3f across = triangle.edge1.cross(triangle.edge2);
+    const bool is_back = triangle.two_sided && random.one(Dimension::kLobe) < 0.5f;
+    const V3f normal = is_back ? -unit(across) : unit(across);
+    const V3f place =
+        triangle.corner + triangle.edge1 * b.x + triangle.edge2 * b.y +
+        normal * clearance(normal, abs(triangle.corner), triangle.edge1, triangle.edge2);
+    const V3f local = cosine_hemisphere(random.two(Dimension::kScatter));
+    const V3f direction = Basis(normal).to_world(local);
+    const float area = 0.5f * std::sqrt(across.dot(across));
+    const float sides = triangle.two_sided ? 2.0f : 1.0f;
+    return {{place, direction}, emitted(scene, triangle, b.x, b.y, normal) * (kPi * area * sides)};
+}
+
+double power(const Emitter& emitter, const Light& light) noexcept {
+    const double of_unit = static_cast<double>(kPi) * static_cast<double>(light.intensity);
+    if (std::get_if<PointEmitter>(&emitter) != nullptr) return 4.0 * of_unit;
+    if (const auto* spot = std::get_if<SpotEmitter>(&emitter)) {
+        const auto inner = static_cast<double>(spot->cos_inner);
+        const auto outer = static_cast<double>(spot->cos_outer);
+        return 2.0 * of_unit * (1.0 - inner + (inner - outer) / 3.0);
+    }
+    return light.two_sided ? 2.0 * of_unit : of_unit;
+}
+
+/// What the environment gives per area that faces each direction in turn, by luminance, W/m^2.
+double irradiance(const EnvironmentMap& environment) noexcept {
+    constexpr int kSamples = 256;
+    double sum = 0.0;
+    for (int i = 0; i < kSamples; ++i) {
+        const EnvironmentSample s = environment.sample((i + 0.5) / kSamples, V2f(0.5f));
+        if (s.pdf > 0.0f) sum += static_cast<double>(luminance(s.radiance) / s.pdf);
+    }
+    return sum / kSamples;
+}
+
+}  // namespace
+
+EmissionTable::EmissionTable(const Scene::Impl& scene) : scene_(scene) {
+    Imath::Box3f box;
+    for (const V3f& p : scene.positions) box.extendBy(p);
+    if (!box.isEmpty()) {
+        center_ = box.center();
+        radius_ = 0.5f * box.size().length();
+    }
+    std::vector<double> powers;
+    double sum = 0.0;
+    for (std::size_t i = 0; i < scene.emitters.size(); ++i) {
+        powers.push_back(power(scene.emitters[i], scene.lights[i]));
+    }
+    powers.push_back(scene.environment ? irradiance(*scene.environment) *
+                                             static_cast<double>(kPi * radius_ * radius_)
+                                       : 0.0);
+    for (const double p : powers) sum += p;
+    if (sum > 0.0) table_ = AliasTable(powers);
+}
+
+LightRay EmissionTable::sample(const PathRandom& random) const noexcept {
+    const std::uint32_t chosen = table_.sample(random.fine(Dimension::kSelectLight));
+    LightRay result;
+    if (chosen == scene_.emitters.size()) {
+        result = environment_ray(random, random.two(Dimension::kLightVertex));
+    } else if (const auto* spot = std::get_if<SpotEmitter>(&scene_.emitters[chosen])) {
+        result = spot_ray(*spot, random.two(Dimension::kLightVertex));
+    } else if (const auto* point = std::get_if<PointEmitter>(&scene_.emitters[chosen])) {
+        result = point_ray(*point, random.two(Dimension::kLightVertex));
+    } else {
+        result =
+            triangle_ray(scene_, *std::get_if<TriangleEmitter>(&scene_.emitters[chosen]), random);
+    }
+    result.flux /= table_.prob(chosen);
+    return result;
+}
+
+LightRay EmissionTable::environment_ray(const PathRandom& random, const V2f& u) const noexcept {
+    const EnvironmentSample s = scene_.environment->sample(random.fine(Dimension::kEnvironment),
+                                                           random.two(Dimension::kInCell));
+    if (!(s.pdf > 0.0f)) return {{center_, V3f(0.0f, 0.0f, 1.0f)}, V3f(0.0f)};
+    const Basis basis(-s.direction);
+    const V2f disk = uniform_disk(u) * radius_;
+    const V3f origin =
+        center_ + s.direction * radius_ + basis.tangent * disk.x + basis.bitangent * disk.y;
+    return {{origin, -s.direction}, s.radiance * (kPi * radius_ * radius_ / s.pdf)};
+}
+
+LightRay spot_ray(const SpotEmitter& spot, const V2f& u) noexcept {
+    const V3f direction = uniform_cone(spot.direction, spot.cos_outer, u);
+    const float solid_angle = 2.0f * kPi * (1.0f - spot.cos_outer);
+    return {{spot.position, direction},
+            spot.intensity * (spot_falloff(spot, direction.dot(spot.direction)) * solid_angle)};
+}
+
+}  // namespace lightcull

@@ -1,0 +1,16 @@
+#pragma once
+
+#include "virtual_lights/view/camera_view.h"
+
+#include <lightcull/span.h>
+
+#include <vector>
+
+namespace lightcull {
+
+/// Each pixel becomes a mean over the 17 x 17 about it, of those whose surfaces lie in about the
+/// same plane ([TH16] section 4.2, [TH17] section 6). What the surfaces reflect is divided out
+/// before and multiplied in again. Runs in the caller's TBB arena.
+void filter_cross_bilateral(const CameraView& view, Span<V3f> pixels);
+
+}  // namespace lightcull

@@ -1,0 +1,40 @@
+#include "virtual_lights/volumes/volume_calibration.h"
+
+#include "lights/calibration/range_calibration.h"
+#include "virtual_lights/volumes/bounding_volume.h"
+
+namespace lightcull {
+namespace {
+
+constexpr std::uint32_t kPoints = 128;
+
+/// Whether the light shines at a point, above the point's horizon.
+bool reaches(const VirtualLight& light, const LightBvhPoint& point) noexcept {
+    const V3f way = light.position - to_v3f(point.position);
+    const V3f normal = to_v3f(point.normal);
+    return light.normal.dot(way) < 0.0f && normal.dot(way) > 0.0f;
+}
+
+}  // namespace
+
+float calibrate_reach(const std::vector<VirtualLight>& lights, const VirtualLightOptions& options,
+                      const Scene& scene, const RenderSettings& settings) {
+    const Frame metres;
+    RangedScene ranged{metres, {}, [&](std::size_t i, const LightBvhPoint& point) {
+                           if (!reaches(lights[i], point)) return RangedScene::kOutOfReach;
+                           return (lights[i].position - to_v3f(point.position)).length();
+                       }};
+    ranged.lights.reserve(lights.size());
+    for (const VirtualLight& light : lights) {
+        ranged.lights.push_back({to_float3(light.position), 0.0f, intensity_bound(light)});
+    }
+    RangeOptions range = options.range;
+    // Each pixel sees one of so many parts of the lights.
+    range.expected_accepted *= static_cast<float>(options.interleave * options.interleave);
+    const std::vector<ShadingPoint> points = camera_points(scene, settings, kPoints);
+    range.calibration_points = points;
+    const bool constant = options.method == VirtualLightMethod::kClamped;
+    return calibrate_reach(ranged, range, constant ? RangeLaw::kConstant : RangeLaw::kRandom);
+}
+
+}  // namespace lightcull

@@ -1,0 +1,64 @@
+#include "base/random.h"
+#include "render/emitter.h"
+#include "render/scene_impl.h"
+#include "unit/render/render_support.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <variant>
+
+using namespace render_support;
+using lightcull::Emitter;
+using lightcull::EmitterSample;
+using lightcull::RandomStream;
+using lightcull::TriangleEmitter;
+using lightcull::V2f;
+using lightcull::V3f;
+
+namespace {
+
+/// Van Oosterom and Strackee 1983, seen from the origin.
+double solid_angle(V3f a, V3f b, V3f c) {
+    a.normalize();
+    b.normalize();
+    c.normalize();
+    const auto volume = static_cast<double>(a.dot(b.cross(c)));
+    const auto rest = static_cast<double>(1.0f + a.dot(b) + b.dot(c) + c.dot(a));
+    return 2.0 * std::atan2(std::fabs(volume), rest);
+}
+
+}  // namespace
+
+TEST_CASE("a triangle's density is one per solid angle") {
+    const lightcull::Scene::Impl scene;
+    const V3f a(1, 2, 3), b(2, 2, 2), c(0, 4, 1);
+    const Emitter triangle = TriangleEmitter{a, b - a, c - a, V3f(5), 0, kNoTexture, true};
+    RandomStream random(1);
+    statistics::Accumulator sum;
+    for (int i = 0; i < 100000; ++i) {
+        const float x = random.next();
+        const EmitterSample s = sample_emitter(scene, triangle, V3f(0), V2f(x, random.next()));
+        CHECK(s.radiance.x == 5.0f);
+        CHECK_FALSE(s.is_delta);
+        sum.add(static_cast<double>(1.0f / s.pdf));
+    }
+    const statistics::Estimate exact{solid_angle(a, b, c), 0.0};
+    CHECK(statistics::p_of_z(statistics::z_of(sum.estimate(), exact)) > statistics::least_p());
+}
+
+TEST_CASE("a one-sided triangle emits where its corners run anticlockwise, a two-sided one twice") {
+    const lightcull::Scene::Impl scene;
+    TriangleEmitter t{V3f(0), V3f(1, 0, 0), V3f(0, 1, 0), V3f(1), 0, kNoTexture, false};
+    CHECK(emitted(scene, t, 0.3f, 0.3f, V3f(0, 0, 1)).x == 1.0f);
+    CHECK(emitted(scene, t, 0.3f, 0.3f, V3f(0, 0, -1)).x == 0.0f);
+    t.two_sided = true;
+    CHECK(emitted(scene, t, 0.3f, 0.3f, V3f(0, 0, -1)).x == 1.0f);
+}
+
+TEST_CASE("from its own plane a triangle is not sampled") {
+    const lightcull::Scene::Impl scene;
+    const Emitter t =
+        TriangleEmitter{V3f(0), V3f(1, 0, 0), V3f(0, 1, 0), V3f(1), 0, kNoTexture, true};
+    CHECK(sample_emitter(scene, t, V3f(5, 5, 0), V2f(0.5f)).pdf == 0.0f);
+}

@@ -1,0 +1,122 @@
+#include <doctest/doctest.h>
+
+#include <limits>
+
+#include <lightcull/error.h>
+
+#include "unit/render/render_support.h"
+
+/// Renderers that go on from the state of another.
+
+using namespace render_support;
+
+namespace {
+
+std::shared_ptr<const Scene> room() {
+    auto scene = std::make_shared<Scene>();
+    const MaterialId grey = scene->add_material({});
+    Shape floor, lamp;
+    floor.add_level_square({0, 0, 0}, 3.0f, true);
+    lamp.add_level_square({0, 2, 0}, 0.5f, false);
+    Mesh mesh;
+    mesh.name = "floor";
+    mesh.positions = floor.positions;
+    mesh.indices = floor.indices;
+    mesh.material = grey;
+    scene->add_mesh(mesh);
+    mesh.name = "lamp";
+    mesh.positions = lamp.positions;
+    mesh.indices = lamp.indices;
+    mesh.emission.radiance = {4, 5, 6};
+    scene->add_mesh(mesh);
+    Camera camera;
+    camera.origin = {0, 1, 4};
+    camera.target = {0, 0.5f, 0};
+    scene->set_camera(camera);
+    scene->commit();
+    return scene;
+}
+
+RenderSettings settings() {
+    RenderSettings s;
+    s.width = 20;
+    s.height = 12;
+    s.max_depth = 3;
+    s.seed = 7;
+    return s;
+}
+
+Renderer make_renderer(const std::shared_ptr<const Scene>& scene) {
+    return {scene, settings(), make_scene_sampler("culled", *scene, settings())};
+}
+
+bool same(const std::vector<float3>& a, const std::vector<float3>& b) {
+    if (a.size() != b.size()) return false;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        if (a[i].x != b[i].x || a[i].y != b[i].y || a[i].z != b[i].z) return false;
+    }
+    return true;
+}
+
+}  // namespace
+
+TEST_CASE("a renderer goes on from the state of another with the same bits") {
+    const auto scene = room();
+    Renderer first = make_renderer(scene), second = make_renderer(scene);
+    for (int pass = 0; pass < 3; ++pass) first.render_pass();
+    second.restore(first.state());
+    CHECK(same(second.image(), first.image()));
+    CHECK(second.stats().passes == 3);
+    CHECK(second.stats().rays == first.stats().rays);
+    for (int pass = 0; pass < 2; ++pass) {
+        first.render_pass();
+        second.render_pass();
+    }
+    CHECK(second.stats().passes == 5);
+    CHECK(same(second.image(), first.image()));
+}
+
+TEST_CASE("a state of another image, or none at all, is refused by name") {
+    const auto scene = room();
+    Renderer renderer = make_renderer(scene);
+    renderer.render_pass();
+    const std::vector<float3> before = renderer.image();
+
+    RenderState state = renderer.state();
+    state.sums.pop_back();
+    CHECK_THROWS_WITH_AS(renderer.restore(state), "state: has 719 sums, not 720", Error);
+    state = renderer.state();
+    state.sums[5] = std::numeric_limits<double>::quiet_NaN();
+    CHECK_THROWS_WITH_AS(renderer.restore(state), "state: sums[5] is not finite", Error);
+    state = renderer.state();
+    state.stats.seconds = -1.0;
+    CHECK_THROWS_WITH_AS(renderer.restore(state),
+                         "state: a number of seconds is negative or not finite", Error);
+    CHECK(same(renderer.image(), before));
+}
+
+TEST_CASE("positions that are too far out are refused by name") {
+    Scene scene;
+    CHECK_THROWS_WITH_AS(scene.add_point_light({2e15f, 0, 0}, {1, 1, 1}),
+                         "light 0, a point: position is above 1e15", Error);
+    CHECK_THROWS_WITH_AS(scene.add_spot_light({0, -2e15f, 0}, {1, 0, 0}, {1, 1, 1}, 0.1f, 0.2f),
+                         "light 0, a spot: position is above 1e15", Error);
+    Camera camera;
+    camera.target = {0, 0, 2e15f};
+    CHECK_THROWS_WITH_AS(scene.set_camera(camera), "camera: target is above 1e15", Error);
+    camera = {};
+    camera.aperture_radius = 2e15f;
+    CHECK_THROWS_WITH_AS(scene.set_camera(camera), "camera: aperture_radius is above 1e15", Error);
+}
+
+TEST_CASE("directions of any length are taken") {
+    for (const float length : {1e-30f, 1.0f, 1e30f}) {
+        CAPTURE(length);
+        Scene scene;
+        scene.add_spot_light({0, 0, 0}, {0, length, 0}, {1, 1, 1}, 0.1f, 0.2f);
+        CHECK(scene.lights()[0].axis.y == doctest::Approx(1.0));
+        Camera camera;
+        camera.up = {0, length, 0};
+        scene.set_camera(camera);
+    }
+}
