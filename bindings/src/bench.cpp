@@ -2,6 +2,8 @@
 #include <lightcull/instruction_set.h>
 #include <lightcull/render/renderer.h>
 #include <lightcull/render/shadow_rays.h>
+#include <lightcull/sampler_info.h>
+#include <lightcull/sets.h>
 
 #include "arena.h"
 #include "arrays.h"
@@ -28,7 +30,6 @@ namespace lightcull::python {
 namespace {
 
 /// Points that share a set of random ranges, as in the renderer.
-constexpr std::size_t kPointsPerPacket = 16;
 /// Thinned points stay together in runs of this many, so that they are as coherent as before.
 constexpr std::size_t kRun = 64;
 constexpr std::size_t kCountedPoints = 2048;
@@ -129,7 +130,7 @@ class TimedSampler {
 
     double build_seconds() const noexcept { return build_seconds_; }
     std::uint32_t set_count() const noexcept { return sampler_->set_count(); }
-    std::size_t memory_size() const noexcept { return sampler_->memory_size(); }
+    std::size_t memory_size() const noexcept { return sampler_info(*sampler_)->memory_size(); }
 
   private:
     template <typename Action>

@@ -9,7 +9,8 @@ MeanCounts mean_counts(const LightSampler& sampler, Span<const ShadingPoint> poi
     count = std::min(count, points.size());
     MeanCounts mean;
     for (std::size_t i = 0; i < count; ++i) {
-        const SelectionCounts counts = sampler.count(points[i * points.size() / count]);
+        const SelectionCounts counts =
+            sampler_info(sampler)->count(points[i * points.size() / count]);
         mean.nodes_visited += counts.nodes_visited;
         mean.lights_tested += counts.lights_tested;
         mean.accepted += counts.accepted;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <lightcull/light_sampler.h>
+#include <lightcull/sampler_info.h>
 #include <lightcull/span.h>
 
 #include <cstddef>

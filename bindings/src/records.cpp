@@ -4,6 +4,7 @@
 
 #include <lightcull/light.h>
 #include <lightcull/light_sampler.h>
+#include <lightcull/sampler_info.h>
 
 #include <cstddef>
 
@@ -57,6 +58,7 @@ py::object selection_dtype() {
     return Record()
         .ids("light", offsetof(Selection, light))
         .floats("prob", offsetof(Selection, prob))
+        .floats("mis_prob", offsetof(Selection, mis_prob))
         .floats("weight_sum", offsetof(Selection, receipt) + offsetof(Receipt, weight_sum))
         .ids("key", offsetof(Selection, receipt) + offsetof(Receipt, key))
         .dtype(sizeof(Selection));

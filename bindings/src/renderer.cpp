@@ -1,4 +1,5 @@
 #include <lightcull/render/renderer.h>
+#include <lightcull/sets.h>
 
 #include "arrays.h"
 #include "counts.h"

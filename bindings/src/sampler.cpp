@@ -7,6 +7,7 @@
 #include <lightcull/light.h>
 #include <lightcull/light_sampler.h>
 #include <lightcull/render/renderer.h>
+#include <lightcull/sampler_info.h>
 #include <lightcull/samplers.h>
 
 #include <cmath>
@@ -45,7 +46,7 @@ class SharedSampler {
 
     std::size_t light_count() const noexcept { return light_count_; }
     std::uint32_t set_count() const noexcept { return sampler_->set_count(); }
-    bool prob_is_proxy() const noexcept { return sampler_->prob_is_proxy(); }
+    bool needs_receipt() const noexcept { return sampler_->needs_receipt(); }
 
   private:
     std::unique_ptr<LightSampler> sampler_;
@@ -173,11 +174,16 @@ py::object vertex_prob(const SharedSampler& sampler, const py::object& positions
     py::object probs = new_array(py::make_tuple(points.size()), numpy_dtype(py::str("float32")));
     const Span<float> result = elements<float>(probs);
     sampler.use([&](const LightSampler& s) {
+        const VertexCulling* const culling = vertex_culling(s);
         for (std::size_t i = 0; i < points.size(); ++i) {
             const Selection& choice = selected[i];
-            result[i] = choice.prob > 0.0f
-                            ? s.vertex_prob(points[i], choice.receipt, choice.light, rows.span()[i])
-                            : 0.0f;
+            if (choice.prob > 0.0f) {
+                result[i] = culling == nullptr ? 1.0f
+                                               : culling->vertex_prob(points[i], choice.receipt,
+                                                                      choice.light, rows.span()[i]);
+            } else {
+                result[i] = 0.0f;
+            }
         }
     });
     return probs;
@@ -190,7 +196,8 @@ py::object count(const SharedSampler& sampler, const py::object& positions,
     py::object counts = new_array(py::make_tuple(points.size()), counts_dtype());
     const Span<SelectionCounts> result = elements<SelectionCounts>(counts);
     sampler.use([&](const LightSampler& s) {
-        for (std::size_t i = 0; i < points.size(); ++i) result[i] = s.count(points[i]);
+        for (std::size_t i = 0; i < points.size(); ++i)
+            result[i] = sampler_info(s)->count(points[i]);
     });
     return counts;
 }
@@ -259,7 +266,7 @@ void bind_sampler(py::module_& module) {
         .def("count", &count)
         .def("light_count", &SharedSampler::light_count)
         .def("set_count", &SharedSampler::set_count)
-        .def("prob_is_proxy", &SharedSampler::prob_is_proxy);
+        .def("needs_receipt", &SharedSampler::needs_receipt);
 }
 
 }  // namespace lightcull::python

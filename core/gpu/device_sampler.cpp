@@ -11,7 +11,7 @@
 #include "lights/ranges/sphere_tree_walk.h"
 
 // The records that shaders read; gpu/shaders/records.glsl has the same layouts.
-static_assert(sizeof(lightcull::ShadingPoint) == 52 && sizeof(lightcull::Selection) == 16);
+static_assert(sizeof(lightcull::ShadingPoint) == 52);
 
 namespace lightcull {
 namespace {
@@ -19,7 +19,8 @@ namespace {
 /// Points that are handed over together: enough to keep a large GPU busy.
 constexpr std::size_t kBatch = std::size_t{1} << 17;
 static_assert(kBatch / shaders::kPaperWorkgroup < 65'536);  // workgroups that any device takes
-constexpr std::size_t kBytesPerPoint = sizeof(ShadingPoint) + sizeof(float) + sizeof(Selection);
+constexpr std::size_t kBytesPerPoint =
+    sizeof(ShadingPoint) + sizeof(float) + sizeof(shaders::Selected);
 
 /// First whether the node found first is read next, and how many words a walk keeps (walk.glsl).
 std::vector<std::uint32_t> constants_of(const Chooser& chooser, const SphereTree& tree,
@@ -82,16 +83,16 @@ DeviceSampler::DeviceSampler(const Frame& frame, const RangeTree& tree, const Ch
       levels_(device_, "the levels of nodes", bytes_of(breadth_first.levels).size()),
       centers_(device_, "the centres of nodes", bytes_of(tree.tree().centers).size()),
       records_(device_, "ranged lights", bytes_of(tree.tree().records).size()),
-      ranks_(device_, "the ranks of sets", bytes_of(tree.ranges().ranks()).size()),
+      turns_(device_, "the turns of sets", bytes_of(tree.ranges().turns()).size()),
       leaves_(device_, "the tree's leaves", chooser.leaves.size()),
       lights_(device_, "what is below the leaves", chooser.lights.size()),
       radii_(device_, "radii", tree.tree().slot_count() * set_count_ * sizeof(float)),
       around_(device_, "radii of nodes", std::size_t{node_count_} * set_count_ * sizeof(float)),
       points_(device_, "points", kBatch * sizeof(ShadingPoint)),
       u_(device_, "random numbers", kBatch * sizeof(float)),
-      selections_(device_, "selections", kBatch * sizeof(Selection)),
+      selections_(device_, "selections", kBatch * sizeof(shaders::Selected)),
       refit_(device_, shaders::refit(),
-             {&nodes_, &order_, &radii_, &centers_, &records_, &levels_, &ranks_, &around_},
+             {&nodes_, &order_, &radii_, &centers_, &records_, &levels_, &turns_, &around_},
              sizeof(shaders::RefitJob), {}),
       select_(device_, chooser.code,
               {&nodes_, &order_, &radii_, &leaves_, &lights_, &points_, &u_, &selections_},
@@ -108,7 +109,7 @@ void DeviceSampler::upload(const RangeTree& tree, const Chooser& chooser,
     write(levels_, bytes_of(breadth_first.levels));
     write(centers_, bytes_of(tree.tree().centers));
     write(records_, bytes_of(tree.tree().records));
-    write(ranks_, bytes_of(tree.ranges().ranks()));
+    write(turns_, bytes_of(tree.ranges().turns()));
     write(leaves_, chooser.leaves);
     write(lights_, chooser.lights);
 }
@@ -157,7 +158,8 @@ void DeviceSampler::select_some(Span<const ShadingPoint> points, Span<const floa
                                 Span<Selection> selections) {
     const std::size_t count = points.size(), points_size = count * sizeof(ShadingPoint),
                       u_size = count * sizeof(float), u_at = points_size,
-                      selections_at = u_at + u_size, selections_size = count * sizeof(Selection);
+                      selections_at = u_at + u_size,
+                      selections_size = count * sizeof(shaders::Selected);
     std::memcpy(staging_.data(), points.data(), points_size);
     std::memcpy(staging_.data() + u_at, u.data(), u_size);
     device_.run(timeout_seconds_, [&](const vk::raii::CommandBuffer& commands) {
@@ -172,7 +174,11 @@ void DeviceSampler::select_some(Span<const ShadingPoint> points, Span<const floa
         copy(commands, selections_.get(), 0, staging_.get(), selections_at, selections_size);
         barrier(commands);
     });
-    std::memcpy(selections.data(), staging_.data() + selections_at, selections_size);
+    for (std::size_t i = 0; i < count; ++i) {
+        shaders::Selected s;
+        std::memcpy(&s, staging_.data() + selections_at + i * sizeof s, sizeof s);
+        selections[i] = {s.light, s.prob, s.prob, {s.weight_sum, s.key}};
+    }
 }
 
 std::vector<float> DeviceSampler::radii() {
@@ -184,7 +190,7 @@ std::vector<float> DeviceSampler::radii() {
 std::size_t DeviceSampler::memory_size() const noexcept {
     std::size_t size = staging_.size();
     for (const Buffer* buffer :
-         {&nodes_, &order_, &levels_, &centers_, &records_, &ranks_, &leaves_, &lights_, &radii_,
+         {&nodes_, &order_, &levels_, &centers_, &records_, &turns_, &leaves_, &lights_, &radii_,
           &around_, &points_, &u_, &selections_}) {
         size += buffer->size();
     }

@@ -61,7 +61,7 @@ class DeviceSampler {
     float reach_;
     double timeout_seconds_;
     std::uint32_t set_count_, node_count_, level_count_, workgroup_;
-    Buffer nodes_, order_, levels_, centers_, records_, ranks_, leaves_, lights_;
+    Buffer nodes_, order_, levels_, centers_, records_, turns_, leaves_, lights_;
     Buffer radii_, around_;
     Buffer points_, u_, selections_;
     Kernel refit_, select_;

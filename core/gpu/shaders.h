@@ -32,4 +32,13 @@ struct SelectJob {
 };
 static_assert(sizeof(SelectJob) == 28 && offsetof(SelectJob, point_count) == 20);
 
+/// What a device says of a Selection.
+struct Selected {
+    std::uint32_t light;
+    float prob;
+    float weight_sum;
+    std::uint32_t key;
+};
+static_assert(sizeof(Selected) == 16);
+
 }  // namespace lightcull::shaders

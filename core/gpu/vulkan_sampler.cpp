@@ -1,6 +1,8 @@
 #include <lightcull/gpu/vulkan_sampler.h>
 
 #include <lightcull/error.h>
+#include <lightcull/sampler_info.h>
+#include <lightcull/samplers.h>
 
 #include <exception>
 #include <memory>
@@ -15,7 +17,7 @@
 namespace lightcull {
 namespace {
 
-class VulkanLightSampler final : public LightSampler {
+class VulkanLightSampler : public LightSampler, public SamplerInfo {
   public:
     /// frame, tree: of `cpu`.
     VulkanLightSampler(std::unique_ptr<LightSampler> cpu, const Frame& frame, const RangeTree& tree,
@@ -31,12 +33,16 @@ class VulkanLightSampler final : public LightSampler {
         if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
     }
 
+    std::unique_ptr<const LightSelector> pass(std::uint64_t number) const override {
+        return cpu_->pass(number);
+    }
+
     Selection select(const ShadingPoint& point, float u) const noexcept override {
         return cpu_->select(point, u);
     }
 
     void select(Span<const ShadingPoint> points, Span<const float> u,
-                Span<Selection> selections) const noexcept override {
+                Span<Selection> selections) const override {
         if (!select_on_device(points, u, selections)) {
             cpu_->select(points, u, selections);
             return;
@@ -51,19 +57,18 @@ class VulkanLightSampler final : public LightSampler {
                std::uint32_t light) const noexcept override {
         return cpu_->prob(point, receipt, light);
     }
-    bool prob_is_proxy() const noexcept override { return cpu_->prob_is_proxy(); }
-    float vertex_prob(const ShadingPoint& point, const Receipt& receipt, std::uint32_t light,
-                      const float3& vertex) const noexcept override {
-        return cpu_->vertex_prob(point, receipt, light, vertex);
-    }
+    bool needs_receipt() const noexcept override { return cpu_->needs_receipt(); }
     std::uint32_t set_count() const noexcept override { return cpu_->set_count(); }
     SelectionCounts count(const ShadingPoint& point) const noexcept override {
-        return cpu_->count(point);
+        return sampler_info(*cpu_)->count(point);
     }
     std::size_t memory_size() const noexcept override {
         const std::lock_guard lock(mutex_);
-        return cpu_->memory_size() + (device_ ? device_->memory_size() : 0);
+        return sampler_info(*cpu_)->memory_size() + (device_ ? device_->memory_size() : 0);
     }
+
+  protected:
+    const LightSampler& cpu() const noexcept { return *cpu_; }
 
   private:
     /// False if the device did not do it.
@@ -89,9 +94,11 @@ class VulkanLightSampler final : public LightSampler {
 
     /// Where `culled` accepted one group at most, few points as a rule, prob() is that of the
     /// selection.
-    void finish(const ShadingPoint& point, Selection& selection) const noexcept {
-        if (selection.receipt.weight_sum > 0.0f || selection.prob == 0.0f) return;
-        selection.prob = cpu_->prob(point, selection.receipt, selection.light);
+    virtual void finish(const ShadingPoint& point, Selection& selection) const noexcept {
+        if (!(selection.receipt.weight_sum > 0.0f) && selection.prob != 0.0f) {
+            selection.prob = cpu_->prob(point, selection.receipt, selection.light);
+        }
+        selection.mis_prob = selection.prob;
     }
 
     std::unique_ptr<LightSampler> cpu_;
@@ -99,6 +106,23 @@ class VulkanLightSampler final : public LightSampler {
     mutable std::mutex mutex_;              ///< of what follows
     mutable DeviceSampler::Handle device_;  ///< none without lights, nor after a failure
     mutable std::exception_ptr failure_;    ///< that is still to be told
+};
+
+/// `paper`, which has a list here, so that its prob() is a stand-in.
+class VulkanPaperSampler final : public VulkanLightSampler, public VertexCulling {
+  public:
+    using VulkanLightSampler::VulkanLightSampler;
+
+    float vertex_prob(const ShadingPoint& point, const Receipt& receipt, std::uint32_t light,
+                      const float3& vertex) const noexcept override {
+        return vertex_culling(cpu())->vertex_prob(point, receipt, light, vertex);
+    }
+
+  private:
+    void finish(const ShadingPoint& point, Selection& selection) const noexcept override {
+        if (selection.prob == 0.0f) return;
+        selection.mis_prob = cpu().prob(point, selection.receipt, selection.light);
+    }
 };
 
 [[noreturn]] void fail_for_glossy() {
@@ -124,7 +148,7 @@ std::unique_ptr<LightSampler> make_vulkan_sampler(std::unique_ptr<LightSampler> 
     if (paper != nullptr && paper->scene().list_size > 0) {
         const PaperScene scene = paper->scene();
         check_no_glossy(scene.tree.records());
-        return std::make_unique<VulkanLightSampler>(std::move(sampler), scene.tree.frame(),
+        return std::make_unique<VulkanPaperSampler>(std::move(sampler), scene.tree.frame(),
                                                     scene.tree.tree(), chooser_of(scene), options);
     }
     if (dynamic_cast<const DirectedCulledSamplerBase*>(sampler.get()) != nullptr) fail_for_glossy();

@@ -10,6 +10,7 @@
 #include "render/wavefront.h"
 
 #include <lightcull/error.h>
+#include <lightcull/sampler_info.h>
 
 #include <tbb/info.h>
 #include <tbb/parallel_for.h>
@@ -78,6 +79,7 @@ void Renderer::Impl::render_regions(const std::atomic<bool>* cancel) {
                     settings,
                     PassRays(camera, settings, stats.passes),
                     *sampler,
+                    vertex_culling(*sampler),
                     hash(settings.seed, stats.passes),
                     cancel,
                     pass_pixels.data()};
@@ -195,8 +197,9 @@ RendererMemory Renderer::memory_size() const noexcept {
     const RenderSettings& r = impl_->settings;
     const std::size_t paths =
         std::size_t{std::min(r.width, kRegionSize)} * std::min(r.height, kRegionSize);
-    return {impl_->sampler->memory_size(), impl_->film.memory_size() + size_of(impl_->pass_pixels),
-            paths * kPerPath};
+    const SamplerInfo* const info = sampler_info(*impl_->sampler);
+    return {info != nullptr ? info->memory_size() : 0,
+            impl_->film.memory_size() + size_of(impl_->pass_pixels), paths * kPerPath};
 }
 
 }  // namespace lightcull

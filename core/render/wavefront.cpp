@@ -4,15 +4,14 @@
 #include "render/morton_sort.h"
 #include "render/scene_impl.h"
 
+#include <lightcull/sets.h>
+
 #include <algorithm>
 #include <utility>
 #include <variant>
 
 namespace lightcull {
 namespace {
-
-/// Points of one packet share a set of random ranges (DESIGN section 3, "No banding").
-constexpr std::uint32_t kPointsPerPacket = 16;
 
 /// Camera rays are traced in packets of a square of this many pixels.
 constexpr std::uint32_t kBlock = 4;
@@ -188,7 +187,6 @@ void Wavefront::add_direct_light() {
 Wavefront::LightSample Wavefront::sample_light(std::size_t vertex,
                                                const PathRandom& random) const noexcept {
     const Surface& surface = surfaces_[vertex];
-    const ShadingPoint& point = points_[vertex];
     const Selection& selection = selections_[vertex];
     if (!(selection.prob > 0.0f)) return {};
     const EmitterSample s = sample_emitter(pass_->scene, pass_->scene.emitters[selection.light],
@@ -197,17 +195,16 @@ Wavefront::LightSample Wavefront::sample_light(std::size_t vertex,
     const BsdfValue bsdf = surface.bsdf.evaluate(s.direction);
     const V3f value = path_of(vertex).throughput * bsdf.value * s.radiance;
     if (value == V3f(0.0f)) return {};
-    const LightSampler& sampler = pass_->sampler;
-    const float vertex_prob =
-        sampler.vertex_prob(point, selection.receipt, selection.light, to_float3(s.place));
-    if (!(vertex_prob > 0.0f)) return {};
+    float vertex_prob = 1.0f;
+    if (pass_->vertex_culling != nullptr) {
+        vertex_prob = pass_->vertex_culling->vertex_prob(points_[vertex], selection.receipt,
+                                                         selection.light, to_float3(s.place));
+        if (!(vertex_prob > 0.0f)) return {};
+    }
 
     float weight = 1.0f;
     if (pass_->settings.direct_light == DirectLight::kMis && !s.is_delta) {
-        const float prob = sampler.prob_is_proxy()
-                               ? sampler.prob(point, selection.receipt, selection.light)
-                               : selection.prob;
-        const float light_pdf = prob * s.pdf;
+        const float light_pdf = selection.mis_prob * s.pdf;
         weight = light_pdf / (light_pdf + bsdf.pdf);
     }
     const float divisor = selection.prob * vertex_prob * s.pdf;

@@ -9,6 +9,7 @@
 
 #include <lightcull/light_sampler.h>
 #include <lightcull/render/renderer.h>
+#include <lightcull/samplers.h>
 
 #include <atomic>
 #include <cstddef>
@@ -22,10 +23,11 @@ struct Pass {
     const Scene::Impl& scene;
     const RenderSettings& settings;
     PassRays camera_rays;
-    const LightSampler& sampler;
-    std::uint64_t key;                ///< of its random numbers
-    const std::atomic<bool>* cancel;  ///< may be null
-    V3f* pixels;                      ///< where the samples go: height * width, black at first
+    const LightSelector& sampler;
+    const VertexCulling* vertex_culling;  ///< of the sampler; may be null
+    std::uint64_t key;                    ///< of its random numbers
+    const std::atomic<bool>* cancel;      ///< may be null
+    V3f* pixels;                          ///< where the samples go: height * width, black at first
 
     bool cancelled() const noexcept {
         return cancel != nullptr && cancel->load(std::memory_order_relaxed);

@@ -1,5 +1,5 @@
 #include "base/description.h"
-#include "lights/calibration/range_calibration.h"
+#include "lights/spec/check_range_options.h"
 
 #include <lightcull/virtual_lights/virtual_light_renderer.h>
 

@@ -4,6 +4,7 @@
 
 #include <lightcull/light.h>
 #include <lightcull/samplers.h>
+#include <lightcull/sets.h>
 
 #include <cmath>
 #include <cstdint>
@@ -82,9 +83,10 @@ int main() {
     const Scene scene = make_scene();
     const std::vector<Hit> hits = trace_camera_rays(scene);
     const std::vector<lightcull::Light> lights = describe_lights(scene);
-    const auto uniform_sampler = lightcull::make_uniform_sampler(lights);
-    const auto culled_sampler = lightcull::make_culled_sampler(lights);
-    const auto exhaustive_sampler = lightcull::make_exhaustive_sampler(lights);
+    const auto uniform_sampler = lightcull::make_sampler(lightcull::UniformOptions{}, lights);
+    const auto culled_sampler = lightcull::make_sampler(
+        lightcull::CulledOptions{}, lights, {{}, static_cast<std::uint32_t>(hits.size())});
+    const auto exhaustive_sampler = lightcull::make_sampler(lightcull::ExhaustiveOptions{}, lights);
 
     const Image image = render(scene, hits, *culled_sampler);
     write_pgm("minimal_host.pgm", image);

@@ -14,7 +14,7 @@ void build(benchmark::State& state, const std::string& sampler, std::uint32_t li
     std::size_t bytes = 0;
     on_threads(threads, [&] {
         for ([[maybe_unused]] auto turn : state) {
-            bytes = make_scene_sampler(sampler, *scene, settings())->memory_size();
+            bytes = sampler_info(*make_scene_sampler(sampler, *scene, settings()))->memory_size();
         }
     });
     state.counters["bytes_per_light"] = static_cast<double>(bytes) / lights;

@@ -4,6 +4,8 @@
 #include "base/random.h"
 #include "courtyard.h"
 
+#include <lightcull/sets.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -12,7 +14,6 @@ namespace {
 
 /// Uniform in the bounds of the lights, facing anywhere, in any order.
 std::vector<ShadingPoint> uniform_points(const Subject& subject) {
-    constexpr std::uint32_t kPointsPerPacket = 16;
     float3 low = subject.scene->lights()[0].center, high = low;
     for (const Light& light : subject.scene->lights()) {
         low = min(low, light.center);

@@ -115,8 +115,7 @@ void check(const LightSampler& sampler, const ShadingPoint& point, const Selecti
     require(std::isfinite(chosen.receipt.weight_sum), "weight_sum is finite");
     if (chosen.prob == 0.0f) return;
     require(chosen.light < light_count, "the light is one of them");
-    if (sampler.prob_is_proxy()) return;
-    require(sampler.prob(point, chosen.receipt, chosen.light) == chosen.prob,
+    require(sampler.prob(point, chosen.receipt, chosen.light) == chosen.mis_prob,
             "prob() is that of select()");
 }
 

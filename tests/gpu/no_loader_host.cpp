@@ -31,8 +31,8 @@ bool is_told(const Action& action) {
 int main() {
     const std::vector<Light> lights(1'000, point_light({0, 2, 0}, 1.0f));
     const bool told = is_told([] { vulkan_devices(); }) &&
-                      is_told([&] { make_vulkan_sampler(make_culled_sampler(lights)); });
-    const auto cpu = make_culled_sampler(lights);
+                      is_told([&] { make_vulkan_sampler(make_sampler(CulledOptions{}, lights)); });
+    const auto cpu = make_sampler(CulledOptions{}, lights);
     cpu->begin_pass(0);
     return told && cpu->select({{0, 0, 0}, {0, 1, 0}}, 0.5f).prob > 0.0f ? 0 : 1;
 }

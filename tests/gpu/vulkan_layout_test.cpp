@@ -178,11 +178,10 @@ Layout points() {
 }
 
 Layout selections() {
-    constexpr std::size_t kReceipt = offsetof(Selection, receipt);
-    return {{MEMBER(Selection, light), MEMBER(Selection, prob),
-             member_at<float>(kReceipt + offsetof(Receipt, weight_sum)),
-             member_at<std::uint32_t>(kReceipt + offsetof(Receipt, key))},
-            sizeof(Selection)};
+    using shaders::Selected;
+    return {{MEMBER(Selected, light), MEMBER(Selected, prob), MEMBER(Selected, weight_sum),
+             MEMBER(Selected, key)},
+            sizeof(Selected)};
 }
 
 Layout select_job() {
@@ -219,7 +218,9 @@ TEST_CASE("shaders have the records of the processor as they lie") {
                  centers{{MEMBER(float3, x), MEMBER(float3, y), MEMBER(float3, z)}, sizeof(float3)},
                  ranged{{MEMBER(RangedLight, center), MEMBER(RangedLight, radius),
                          MEMBER(RangedLight, intensity)},
-                        sizeof(RangedLight)};
+                        sizeof(RangedLight)},
+                 turns{{MEMBER(RandomRanges::Turn, rank), MEMBER(RandomRanges::Turn, draw)},
+                       sizeof(RandomRanges::Turn)};
     SUBCASE("select") {
         check(shaders::select(),
               {nodes(), order(), floats, groups, bvh, points(), floats, selections()},
@@ -231,8 +232,8 @@ TEST_CASE("shaders have the records of the processor as they lie") {
               select_job());
     }
     SUBCASE("refit") {
-        check(shaders::refit(),
-              {nodes(), order(), floats, centers, ranged, numbers, numbers, floats}, refit_job());
+        check(shaders::refit(), {nodes(), order(), floats, centers, ranged, numbers, turns, floats},
+              refit_job());
     }
 }
 

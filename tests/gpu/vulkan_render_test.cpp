@@ -51,11 +51,14 @@ class SkewedSampler final : public LightSampler {
     explicit SkewedSampler(std::unique_ptr<LightSampler> inner) : inner_(std::move(inner)) {}
 
     void begin_pass(std::uint64_t pass) override { inner_->begin_pass(pass); }
+    std::unique_ptr<const LightSelector> pass(std::uint64_t number) const override {
+        return inner_->pass(number);
+    }
     Selection select(const ShadingPoint& point, float u) const noexcept override {
         return inner_->select(point, u);
     }
     void select(Span<const ShadingPoint> points, Span<const float> u,
-                Span<Selection> selections) const noexcept override {
+                Span<Selection> selections) const override {
         inner_->select(points, u, selections);
         for (Selection& selection : selections) selection.prob *= 0.8f;
     }
@@ -64,10 +67,6 @@ class SkewedSampler final : public LightSampler {
         return inner_->prob(point, receipt, light);
     }
     std::uint32_t set_count() const noexcept override { return inner_->set_count(); }
-    SelectionCounts count(const ShadingPoint& point) const noexcept override {
-        return inner_->count(point);
-    }
-    std::size_t memory_size() const noexcept override { return inner_->memory_size(); }
 
   private:
     std::unique_ptr<LightSampler> inner_;

@@ -118,7 +118,7 @@ TEST_CASE("a device keeps the paper's list as the processor does") {
                 << ": " << different << " of " << points.size() << " selections differ");
         CHECK(static_cast<double>(different) <= 1e-4 * static_cast<double>(points.size()));
         CHECK(2 * found > points.size());
-        CHECK(gpu->prob_is_proxy() == cpu->prob_is_proxy());
+        CHECK(gpu->needs_receipt() == cpu->needs_receipt());
     }
 }
 

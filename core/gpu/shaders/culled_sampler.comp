@@ -15,7 +15,7 @@ layout(std430, binding = 3) readonly buffer Groups { LightGroup groups[]; };
 layout(std430, binding = 4) readonly buffer Bvh { MeansNode bvh[]; };
 layout(std430, binding = 5) readonly buffer Points { ShadingPoint points[]; };
 layout(std430, binding = 6) readonly buffer Randoms { float u[]; };
-layout(std430, binding = 7) writeonly buffer Selections { Selection selections[]; };
+layout(std430, binding = 7) writeonly buffer Selections { Selected selections[]; };
 
 layout(push_constant, std430) uniform Job {
     Float3 origin;
@@ -103,6 +103,6 @@ void main() {
     const bool alone = choice.accepted == 1 && choice.numerator < choice.weight_sum;
     const float sum = alone ? -choice.weight_sum : choice.weight_sum;
     const bool found = descent.prob > 0.0lf;
-    selections[i] = Selection(found ? descent.child & ~kLight : 0, float(descent.prob), sum,
+    selections[i] = Selected(found ? descent.child & ~kLight : 0, float(descent.prob), sum,
                               shading.set);
 }

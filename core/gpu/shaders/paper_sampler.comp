@@ -17,7 +17,7 @@ layout(std430, binding = 3) readonly buffer Records { LightRecord records[]; };
 layout(std430, binding = 4) readonly buffer Lights { uint lights[]; };
 layout(std430, binding = 5) readonly buffer Points { ShadingPoint points[]; };
 layout(std430, binding = 6) readonly buffer Randoms { float u[]; };
-layout(std430, binding = 7) writeonly buffer Selections { Selection selections[]; };
+layout(std430, binding = 7) writeonly buffer Selections { Selected selections[]; };
 
 layout(push_constant, std430) uniform Job {
     Float3 origin;
@@ -133,7 +133,7 @@ void main() {
     const uint64_t key = hash(hash(uint64_t(u_bits), uint64_t(x_bits.x)), uint64_t(x_bits.y));
     const uint found = find_accepted(point, shading.set, key);
     if (found == 0) {
-        selections[i] = Selection(0, 0.0, 0.0, shading.set);
+        selections[i] = Selected(0, 0.0, 0.0, shading.set);
         return;
     }
 
@@ -145,5 +145,5 @@ void main() {
     const float numerator = kRangeAtVertex ? weight : quotient(weight, chosen.inverse_prob);
     const float keep_prob = quotient(float(size), float(found));
     precise float prob = keep_prob * quotient(numerator, sum);
-    selections[i] = Selection(lights[chosen.record], prob, sum, shading.set);
+    selections[i] = Selected(lights[chosen.record], prob, sum, shading.set);
 }

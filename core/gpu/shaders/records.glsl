@@ -14,6 +14,9 @@ struct SphereNode {
 const uint kLeaf = 0x80000000u, kEmpty = 0xffffffffu;
 
 // lights/ranges/ranges.h
+struct Turn {
+    uint rank, draw;
+};
 struct RangedLight {
     Float3 center;
     float radius;
@@ -71,7 +74,8 @@ struct ShadingPoint {
     float lobe_peak;
 };
 
-struct Selection {
+// gpu/shaders.h
+struct Selected {
     uint light;
     float prob;
     float weight_sum;

@@ -15,7 +15,7 @@ layout(std430, binding = 2) writeonly buffer Radii { float radii[]; };
 layout(std430, binding = 3) readonly buffer Centers { Float3 centers[]; };
 layout(std430, binding = 4) readonly buffer Records { RangedLight records[]; };
 layout(std430, binding = 5) readonly buffer Levels { uint levels[]; };
-layout(std430, binding = 6) readonly buffer Ranks { uint ranks[]; };
+layout(std430, binding = 6) readonly buffer Turns { Turn turns[]; };
 layout(std430, binding = 7) coherent buffer Around { float around[]; };
 
 layout(push_constant, std430) uniform Job {
@@ -27,19 +27,19 @@ layout(push_constant, std430) uniform Job {
 
 #include "numbers.glsl"
 
-// RandomRanges::xi() of a light and the rank of a set.
-float xi(uint record, uint rank) {
-    const uint high = scramble(scramble(record ^ job.key_low) + job.key_high);
+// RandomRanges::xi() of a light in a set.
+float xi(uint record, Turn turn) {
+    const uint high = scramble(scramble(record ^ job.key_low) + job.key_high + turn.draw);
     precise float low = float(scramble(high + job.key_low) >> 8) + 1.0;
     precise float turned =
-        (to_float(high + rank) + low * (1.0 / 16777216.0)) * (1.0 / 4294967296.0);
+        (to_float(high + turn.rank) + low * (1.0 / 16777216.0)) * (1.0 / 4294967296.0);
     return turned;
 }
 
-float leaf_radius(uint record, uint rank) {
+float leaf_radius(uint record, Turn turn) {
     const RangedLight light = records[record];
     precise float limit = job.reach * light.intensity;
-    const float range = root(quotient(max(limit, 1e-36), xi(record, rank)));
+    const float range = root(quotient(max(limit, 1e-36), xi(record, turn)));
     precise float radius = range + light.radius;
     return radius;
 }
@@ -54,7 +54,7 @@ void refit_node(uint node, uint set) {
             radii[place] = -1.0;
             continue;
         }
-        const float own = (link & kLeaf) != 0 ? leaf_radius(link & ~kLeaf, ranks[set])
+        const float own = (link & kLeaf) != 0 ? leaf_radius(link & ~kLeaf, turns[set])
                                               : around[first + link];
         radii[place] = own;
         precise vec3 offset =

@@ -3,14 +3,17 @@
 #include <lightcull/float3.h>
 #include <lightcull/span.h>
 
-#include <cstddef>
+#include <cassert>
 #include <cstdint>
+#include <memory>
 
 namespace lightcull {
 
 /// The glossy part of what a surface does with light: its BSDF times cosine is taken as
 /// peak / (1 + (1 - c) / (2 alpha^2))^2, with c the cosine between the light's direction and
 /// `axis`. With alpha the roughness of a GGX surface, this is its D(h) in the plane of incidence.
+/// peak is then F D(n) / 4, over the cosine of the view to the normal where that is above 0, with
+/// D(n) = 1 / (pi alpha^2) and F the luminance of Fresnel's reflectance; `diffuse` is albedo / pi.
 struct GlossyLobe {
     float3 axis{0, 0, 1};  ///< unit length; mirror direction of the view
     float alpha = 1.0f;    ///< (0, 1]
@@ -23,16 +26,20 @@ struct ShadingPoint {
     float3 position;        ///< metres
     float3 normal;          ///< unit length, on the side that receives light; 0 in a volume or
                             ///< where light from both sides counts
-    std::uint32_t set = 0;  ///< set of random ranges to use, < LightSampler::set_count()
+    std::uint32_t set = 0;  ///< set of random ranges to use, < LightSelector::set_count(); sets.h
+                            ///< says which
     float diffuse = 1.0f;   ///< diffuse albedo / pi, in any unit, >= 0; a little of it guards a
                             ///< sampler from a lobe that is wrong
     GlossyLobe lobe{};      ///< for surfaces that are glossy
 };
 
-/// What a path carries from select() to prob() for multiple importance sampling.
+/// What a path carries from select() to prob(): an account of all that could have been selected at
+/// a point, for multiple importance sampling. It does not depend on u, and it is valid where
+/// Selection::prob is 0. When a ray that left the point hits a light, the receipt that prob() needs
+/// is that of the point which the ray left, not of the hit. Its numbers mean something to the
+/// sampler alone.
 struct Receipt {
-    float weight_sum = 0.0f;  ///< W: sum of the weights of all accepted lights; of `culled`
-                              ///< negative where it is the weight of one alone
+    float weight_sum = 0.0f;  ///< W of the lights that were accepted
     std::uint32_t key = 0;    ///< the set that was used
 };
 
@@ -41,70 +48,80 @@ struct Selection {
     std::uint32_t light = 0;  ///< index into the caller's lights
     float prob = 0.0f;        ///< divide the light's contribution by it; in (0, 1], or 0 where no
                               ///< light was chosen, which is no error: the contribution is 0
+    float mis_prob = 0.0f;    ///< what prob() says of the light: for MIS weights. Equal to `prob`,
+                              ///< but for samplers whose prob is not known for other lights
     Receipt receipt;
 };
 
-/// What one selection costs, counted by a second, slower run of it.
-struct SelectionCounts {
-    std::uint32_t nodes_visited = 0;  ///< tree nodes that were read
-    std::uint32_t lights_tested = 0;  ///< lights whose range or importance was computed
-    std::uint32_t accepted = 0;       ///< lights that were weighed with a weight above 0
-};
-
-/// Picks, for a shading point, one light out of many, and says with what probability it did.
+/// Chooses lights for shading points by random ranges that do not change: a pass of a LightSampler.
 ///
-/// Threads: const calls may run on any number of threads at once; begin_pass() only while none of
-/// them runs. The hot calls check nothing: positions must be finite, normals of unit length or 0,
+/// One pass is not enough. A selection is unbiased over passes, not within one: for the ranges of a
+/// single pass and set, the mean over u alone is off (by a third at some points). Sums converge
+/// over passes, or over the sets of a pass that has many (see sets.h).
+///
+/// Threads: all calls are const and may run on any number of threads at once. The hot calls check
+/// nothing (make_checked_sampler() does): positions must be finite, normals of unit length or 0,
 /// sets below set_count(), u in [0, 1).
-class LightSampler {
+class LightSelector {
   public:
-    virtual ~LightSampler() = default;
+    virtual ~LightSelector() = default;
 
-    /// Draws the random ranges of a pass; equal numbers give equal ranges. Call it before the
-    /// first selection and then once a pass. Runs in the caller's TBB arena.
-    virtual void begin_pass(std::uint64_t pass) = 0;
-
-    /// Chooses a light for a point by the random number u.
+    /// Chooses a light for a point by the random number u. It uses u up: take fresh numbers for the
+    /// vertex on the light, and for all else.
     virtual Selection select(const ShadingPoint& point, float u) const noexcept = 0;
 
     /// The same for many points: selections[i] = select(points[i], u[i]), to the bit. The spans
     /// are of equal length, at most 2^32 - 1. Faster the more points there are, up to a whole
-    /// image; runs in the caller's TBB arena and needs some 20 bytes of memory a point.
+    /// image. Runs in the caller's TBB arena, isolated: while one of its threads waits for others
+    /// it takes on none of the caller's tasks. Needs some 20 bytes of memory a point; throws
+    /// Error where it does not get them, before anything is written.
     virtual void select(Span<const ShadingPoint> points, Span<const float> u,
-                        Span<Selection> selections) const noexcept;
+                        Span<Selection> selections) const;
 
     /// The probability of `light` at a point whose receipt is at hand, for MIS weights. For a
     /// light that was not accepted it is what it would have been, had it been accepted: that makes
-    /// weights of light and BSDF sampling sum to one in the mean. Equal to Selection::prob for the
-    /// light that was selected, unless prob_is_proxy().
+    /// weights of light and BSDF sampling sum to one in the mean ([TH16] leaves this open; 0 or
+    /// the W of the others would be biased). So for one receipt the probabilities of all lights
+    /// need not sum to 1. It is of the light as a whole: the density of a vertex on it, by area or
+    /// solid angle, is the caller's to multiply with. Selection::mis_prob for the light that was
+    /// selected.
     virtual float prob(const ShadingPoint& point, const Receipt& receipt,
                        std::uint32_t light) const noexcept = 0;
 
-    /// True if prob() is only a stand-in for Selection::prob, good for MIS weights if both
-    /// techniques use it.
-    virtual bool prob_is_proxy() const noexcept { return false; }
+    /// False if prob() does not look at the receipt, which need not be kept then.
+    virtual bool needs_receipt() const noexcept { return true; }
 
-    /// For samplers that decide at the vertex sampled on the chosen light ([TH16] section 5.2):
-    /// the factor of Eq. 10 that depends on it, or 0 if the vertex is out of range. Multiply
-    /// Selection::prob by it, and skip the light where it is 0. Otherwise 1.
-    virtual float vertex_prob(const ShadingPoint& point, const Receipt& receipt,
-                              std::uint32_t light, const float3& vertex) const noexcept;
+    /// prob() without a receipt. Only where needs_receipt() is false.
+    float prob(const ShadingPoint& point, std::uint32_t light) const noexcept {
+        assert(!needs_receipt());
+        return prob(point, Receipt{}, light);
+    }
 
-    /// Number of sets of random ranges in a pass.
+    /// Number of sets of random ranges, a power of 4. 1: it does not matter which a point uses.
     virtual std::uint32_t set_count() const noexcept { return 1; }
-
-    /// The cost of select() at a point.
-    virtual SelectionCounts count(const ShadingPoint& point) const noexcept = 0;
-
-    /// What the sampler keeps in memory, bytes.
-    virtual std::size_t memory_size() const noexcept = 0;
 };
 
-/// The set for camera points of pixel (x, y): its place in a square pattern of `set_count` pixels,
-/// which neighbours never share. set_count is a power of 4.
-std::uint32_t set_of_pixel(std::uint32_t x, std::uint32_t y, std::uint32_t set_count) noexcept;
+/// Picks, for a shading point, one light out of many, and says with what probability it did.
+///
+/// A host that renders whole images calls begin_pass() before each sample per pixel, and selects
+/// from the sampler. One that finishes a tile before the next takes a pass() for each tile, thread
+/// or frame, any number at once, which begin_pass() leaves alone. One whose samples are spread
+/// over many sets (set_of_sample()) may stay with a single pass.
+///
+/// Threads: const calls may run on any number of threads at once; begin_pass() only while none
+/// of them runs.
+class LightSampler : public LightSelector {
+  public:
+    /// Draws the random ranges of a pass, from which the sampler itself selects; equal numbers
+    /// give equal ranges. Call it before the first selection and then once a pass. Takes some
+    /// 0.05 ns per light and set with groups, 5 with a range for each light. Runs in the caller's
+    /// TBB arena.
+    virtual void begin_pass(std::uint64_t pass) = 0;
 
-/// The set for the points of packet `packet` (a few points that lie together) of later bounces.
-std::uint32_t set_of_packet(std::uint32_t packet, std::uint32_t set_count) noexcept;
+    /// The ranges that begin_pass(number) would draw, as an object of its own: it shares the tree
+    /// with the sampler, never changes, and may outlive it. It takes the time of begin_pass() and
+    /// some 5 bytes per set and group of lights. Runs in the caller's TBB arena.
+    virtual std::unique_ptr<const LightSelector> pass(std::uint64_t number) const = 0;
+};
 
 }  // namespace lightcull

@@ -2,28 +2,29 @@
 
 #include <lightcull/light.h>
 #include <lightcull/light_sampler.h>
+#include <lightcull/span.h>
 
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <variant>
 
-/// The samplers. Each make_ function copies what it needs of `lights`, checks it, and throws
-/// lightcull::Error with a message that names the light and the field. A light of intensity 0 is
-/// never chosen; with no light at all select() answers prob 0.
+/// The samplers, each by its options. A light of intensity 0 is never chosen; with no light at all
+/// select() answers prob 0.
 
 namespace lightcull {
 
 /// Every light alike.
-std::unique_ptr<LightSampler> make_uniform_sampler(Span<const Light> lights);
+struct UniformOptions {};
 
 /// In proportion to intensity, by an alias table.
-std::unique_ptr<LightSampler> make_power_sampler(Span<const Light> lights);
+struct PowerOptions {};
 
 /// In proportion to the importance of every light at the point: the floor for error, at a cost
 /// linear in the number of lights.
-std::unique_ptr<LightSampler> make_exhaustive_sampler(Span<const Light> lights);
+struct ExhaustiveOptions {};
 
 /// What a cluster of lights counts for at a point.
 enum class ClusterImportance {
@@ -38,20 +39,26 @@ enum class ClusterImportance {
 struct LightBvhOptions {
     ClusterImportance importance = ClusterImportance::kBounds;
 };
-std::unique_ptr<LightSampler> make_light_bvh_sampler(Span<const Light> lights,
-                                                     const LightBvhOptions& options = {});
 
 /// How long the ranges of `culled`, `paper` and `clamped` are.
 struct RangeOptions {
-    /// epsilon_max of [TH16] Eq. 7; none: found so that `expected_accepted` lights are accepted
-    /// per point in the mean over `calibration_points`.
+    /// epsilon_max of [TH16] Eq. 7, > 0; none: found so that `expected_accepted` lights are
+    /// accepted per point in the mean over SamplerContext::calibration_points.
     std::optional<float> error_bound;
-    float expected_accepted = 16.0f;
-    /// E of [TH16] Eq. 7; used with a given error_bound only.
+    float expected_accepted = 16.0f;  ///< > 0
+    /// E of [TH16] Eq. 7, > 0; used with a given error_bound only.
     float exposure = 1.0f;
-    /// Some hundred shading points typical of the scene; none: points drawn from the bounds of the
-    /// lights.
-    Span<const ShadingPoint> calibration_points;
+
+    static RangeOptions with_error_bound(float error_bound) {
+        RangeOptions options;
+        options.error_bound = error_bound;
+        return options;
+    }
+    static RangeOptions with_expected_accepted(float count) {
+        RangeOptions options;
+        options.expected_accepted = count;
+        return options;
+    }
 };
 
 /// Stochastic light culling: acceptance per light and not per vertex, resampling by g / p, no list,
@@ -65,44 +72,83 @@ struct RangeOptions {
 /// with the light in one focus, or an egg above its surface.
 struct CulledOptions {
     RangeOptions range;
-    std::uint32_t set_count = 64;  ///< a power of 4, at most 4096
+    /// A power of 4, at most kMaxSetCount. None: what suits SamplerContext::points_per_pass, and
+    /// where that is not known, 4096 as far as 64 MiB of memory allow, so that a host that never
+    /// begins a second pass converges. With glossy points among the lights, whose sets take more
+    /// memory, at most 16.
+    std::optional<std::uint32_t> set_count;
     /// Most lights in a group, >= 1; 1 is the paper, and all there is with glossy points. None: a
     /// 400th of them, at most 128.
     std::optional<std::uint32_t> group_size;
 };
-std::unique_ptr<LightSampler> make_culled_sampler(Span<const Light> lights,
-                                                  const CulledOptions& options = {});
+
+inline constexpr std::uint32_t kMaxSetCount = 4096;
 
 /// Stochastic light culling as [TH16] has it, each choice a switch, so that the gain of each
 /// departure can be shown.
 struct PaperOptions {
-    RangeOptions range{0.125f, 16.0f, 1.0f, {}};
-    std::uint32_t set_count = 1;
-    bool range_at_vertex = true;   ///< section 5.2; false: at the light's bounding sphere
+    RangeOptions range = RangeOptions::with_error_bound(0.125f);
+    std::uint32_t set_count = 1;  ///< as in CulledOptions
+    /// Section 5.2: the range is tested at the vertex that is sampled on the chosen light, by the
+    /// host (see VertexCulling). False: at the light's bounding sphere.
+    bool range_at_vertex = true;
     bool weight_by_g = true;       ///< Eq. 8; false: by g / p
     std::uint32_t list_size = 32;  ///< k of Alg. 3, 1 to 64; 0: weigh every accepted light, no list
 };
-std::unique_ptr<LightSampler> make_paper_sampler(Span<const Light> lights,
-                                                 const PaperOptions& options = {});
 
 /// Constant ranges ([TH16] appendix A): biased, for comparison.
-std::unique_ptr<LightSampler> make_clamped_sampler(Span<const Light> lights,
-                                                   const RangeOptions& options = {});
-
-/// What make_sampler() needs to know of the use a sampler is put to.
-struct SamplerContext {
-    Span<const ShadingPoint> calibration_points;  ///< as in RangeOptions
-    std::uint32_t points_per_pass = 0;            ///< 0: not known
+struct ClampedOptions {
+    RangeOptions range;
 };
+
+/// Which sampler, and its options.
+using SamplerSpec = std::variant<CulledOptions, LightBvhOptions, UniformOptions, PowerOptions,
+                                 ExhaustiveOptions, ClampedOptions, PaperOptions>;
 
 /// A sampler by its description: a name, then options, as in "culled", "culled:sets=16",
 /// "paper:list=0:error_bound=auto", "clamped:error_bound=0.05". Names: uniform, power, light_bvh,
 /// exhaustive, clamped, culled, paper. Options: error_bound (a number or auto), accepted, exposure
 /// (culled, paper, clamped); sets (culled, paper); group (culled); test (vertex | light), weight (g
-/// | g_over_p), list (paper); importance (bounds | means; light_bvh). Without `sets`, culled takes
-/// as many as suit context.points_per_pass. Throws Error for an unknown name or option, with the
-/// names there are.
+/// | g_over_p), list (paper); importance (bounds | means; light_bvh). Throws Error for an unknown
+/// name or option, with the names there are, and for a value that make_sampler() would refuse.
+SamplerSpec parse_sampler(std::string_view description);
+
+/// Throws Error, with a message that names the option, if one makes no sense. Whatever makes a
+/// sampler does this first.
+void check_sampler(const SamplerSpec& spec);
+
+/// The use that a sampler is put to.
+struct SamplerContext {
+    /// Some hundred shading points typical of the scene, on which ranges are calibrated; none:
+    /// points drawn from the bounds of the lights. Read while the sampler is made.
+    Span<const ShadingPoint> calibration_points;
+    /// For a host that begins a pass for each sample of the image: its pixels. 0: not known.
+    std::uint32_t points_per_pass = 0;
+};
+
+/// Makes a sampler over `lights`, of which it copies what it needs. Runs in the caller's TBB
+/// arena. Throws Error with a message that names the light and the field, or the option.
+std::unique_ptr<LightSampler> make_sampler(const SamplerSpec& spec, Span<const Light> lights,
+                                           const SamplerContext& context = {});
+
+/// make_sampler(parse_sampler(description), lights, context).
 std::unique_ptr<LightSampler> make_sampler(std::string_view description, Span<const Light> lights,
                                            const SamplerContext& context = {});
+
+/// What `paper` wants of a host beyond LightSelector, for its test at the vertex ([TH16] section
+/// 5.2). A host that leaves it out is biased: it takes `paper:test=light`.
+class VertexCulling {
+  public:
+    /// The factor of Eq. 10 that depends on the vertex sampled on the light that was selected, or 0
+    /// if it is out of range. Multiply Selection::prob by it, and skip the light where it is 0.
+    virtual float vertex_prob(const ShadingPoint& point, const Receipt& receipt,
+                              std::uint32_t light, const float3& vertex) const noexcept = 0;
+
+  protected:
+    ~VertexCulling() = default;
+};
+
+/// That of a sampler or a pass which decides at the vertex; null of all others.
+const VertexCulling* vertex_culling(const LightSelector& sampler) noexcept;
 
 }  // namespace lightcull

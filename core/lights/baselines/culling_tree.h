@@ -1,9 +1,11 @@
 #pragma once
 
 #include <lightcull/light_sampler.h>
+#include <lightcull/sampler_info.h>
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "lights/light/importance.h"
@@ -26,23 +28,28 @@ class CullingTree {
   public:
     CullingTree(const LightTable& table, const RandomRanges& ranges);
 
+    /// The ranges of another pass over the same lights, which both share.
+    CullingTree(const CullingTree& other, std::uint64_t pass);
+
     void begin_pass(std::uint64_t pass) { tree_.begin_pass(pass); }
 
     const Frame& frame() const noexcept { return frame_; }
     const RandomRanges& ranges() const noexcept { return tree_.ranges(); }
     const RangeTree& tree() const noexcept { return tree_; }
     const LightRecord& record(std::uint32_t record) const noexcept {
-        return lights_.records[record];
+        return lights_->records[record];
     }
 
     // By record, for back ends.
-    const std::vector<LightRecord>& records() const noexcept { return lights_.records; }
-    const std::vector<std::uint32_t>& lights() const noexcept { return lights_.lights; }
+    const std::vector<LightRecord>& records() const noexcept { return lights_->records; }
+    const std::vector<std::uint32_t>& lights() const noexcept { return lights_->lights; }
 
     static constexpr std::uint32_t kNoRecord = OrderedLights::kNoRecord;
     /// kNoRecord for a light of intensity 0.
-    std::uint32_t to_record(std::uint32_t light) const noexcept { return lights_.record_of[light]; }
-    std::uint32_t to_light(std::uint32_t record) const noexcept { return lights_.lights[record]; }
+    std::uint32_t to_record(std::uint32_t light) const noexcept {
+        return lights_->record_of[light];
+    }
+    std::uint32_t to_light(std::uint32_t record) const noexcept { return lights_->lights[record]; }
 
     /// Calls visit(Accepted) for every light that is accepted at x in `set` and can reach it.
     template <typename Visit>
@@ -51,8 +58,8 @@ class CullingTree {
         SelectionCounts counts;
         const auto weigh = [&](std::uint32_t record) {
             ++counts.lights_tested;
-            const Approach way = approach(x, lights_.records[record].center);
-            const float g = importance(lights_.records[record], way, receiver);
+            const Approach way = approach(x, lights_->records[record].center);
+            const float g = importance(lights_->records[record], way, receiver);
             if (!(g > 0.0f)) return;
             ++counts.accepted;
             visit(Accepted{record, g, tree_.inverse_prob(record, way)});
@@ -70,7 +77,7 @@ class CullingTree {
   private:
     Frame frame_;
     RangeTree tree_;
-    OrderedLights lights_;
+    std::shared_ptr<const OrderedLights> lights_;
 };
 
 }  // namespace lightcull

@@ -1,19 +1,15 @@
-#include <lightcull/error.h>
-#include <lightcull/samplers.h>
+#include <lightcull/sampler_info.h>
 
 #include <algorithm>
 #include <cmath>
-#include <string>
 
 #include "base/reservoir.h"
+#include "lights/baselines/make_baselines.h"
 #include "lights/baselines/paper_scene.h"
 #include "lights/calibration/range_calibration.h"
-#include "lights/ranges/set_count.h"
 
 namespace lightcull {
 namespace {
-
-constexpr std::uint32_t kMaxListSize = 64;
 
 /// lightList of [TH16] Alg. 2, kept to k entries by the reservoir sampling of Alg. 3.
 class LightList {
@@ -50,12 +46,12 @@ class LightList {
   private:
     std::uint32_t capacity_, found_ = 0;
     RandomStream random_;
-    Accepted list_[kMaxListSize];
+    Accepted list_[PaperScene::kMaxListSize];
 };
 
 /// [TH16] Alg. 2 with one shadow ray (section 5.3.2), and the departures from it one by one. For
 /// Eq. 9 it takes importance(), as all samplers do: the corners of a triangle are the caller's.
-class PaperSampler final : public PaperSamplerBase {
+class PaperSampler final : public PaperSamplerBase, public SamplerInfo {
   public:
     PaperSampler(const LightTable& table, float reach, const PaperOptions& options)
         : tree_(table, RandomRanges(reach, options.set_count)),
@@ -70,6 +66,13 @@ class PaperSampler final : public PaperSamplerBase {
         intensity_sum_ = static_cast<float>(sum);
     }
 
+    PaperSampler(const PaperSampler& other, std::uint64_t pass)
+        : tree_(other.tree_, pass),
+          range_at_vertex_(other.range_at_vertex_),
+          weight_by_g_(other.weight_by_g_),
+          list_size_(other.list_size_),
+          intensity_sum_(other.intensity_sum_) {}
+
     using LightSampler::select;
 
     PaperScene scene() const noexcept override {
@@ -77,6 +80,10 @@ class PaperSampler final : public PaperSamplerBase {
     }
 
     void begin_pass(std::uint64_t pass) override { tree_.begin_pass(pass); }
+
+    std::unique_ptr<const LightSelector> pass(std::uint64_t number) const override {
+        return std::make_unique<PaperSampler>(*this, number);
+    }
 
     Selection select(const ShadingPoint& point, float u) const noexcept override {
         return list_size_ == 0 ? select_of_all(point, u) : select_of_list(point, u);
@@ -87,7 +94,7 @@ class PaperSampler final : public PaperSamplerBase {
         const std::uint32_t record = tree_.to_record(light);
         if (record == CullingTree::kNoRecord) return 0.0f;
         const LightRecord& data = tree_.record(record);
-        if (prob_is_proxy()) return data.intensity / intensity_sum_;
+        if (has_proxy()) return data.intensity / intensity_sum_;
         const Approach way = approach(tree_.frame().position(point.position), data.center);
         const Accepted as_if{record, importance(data, way, Receiver(point)),
                              tree_.tree().inverse_prob(record, way)};
@@ -97,7 +104,7 @@ class PaperSampler final : public PaperSamplerBase {
         return numerator(as_if) / sum;
     }
 
-    bool prob_is_proxy() const noexcept override { return range_at_vertex_ || list_size_ > 0; }
+    bool needs_receipt() const noexcept override { return !has_proxy(); }
 
     float vertex_prob(const ShadingPoint& point, const Receipt& receipt, std::uint32_t light,
                       const float3& vertex) const noexcept override {
@@ -121,6 +128,15 @@ class PaperSampler final : public PaperSamplerBase {
     std::size_t memory_size() const noexcept override { return tree_.memory_size(); }
 
   private:
+    /// Whether prob() is a stand-in, for MIS weights alone: what a light's own would have been is
+    /// not known where a list or the vertex has decided.
+    bool has_proxy() const noexcept { return range_at_vertex_ || list_size_ > 0; }
+
+    Selection selection(std::uint32_t record, float prob, const Receipt& receipt) const noexcept {
+        const float mis_prob = has_proxy() ? tree_.record(record).intensity / intensity_sum_ : prob;
+        return {tree_.to_light(record), prob, mis_prob, receipt};
+    }
+
     float weight(const Accepted& accepted) const noexcept {
         return weight_by_g_ ? accepted.importance : accepted.importance * accepted.inverse_prob;
     }
@@ -136,8 +152,8 @@ class PaperSampler final : public PaperSamplerBase {
             reservoir.add(accepted.record, numerator(accepted), weight(accepted));
         });
         const Receipt receipt{reservoir.weight_sum(), point.set};
-        if (!reservoir.chosen()) return {0, 0.0f, receipt};
-        return {tree_.to_light(reservoir.light()), reservoir.prob(), receipt};
+        if (!reservoir.chosen()) return {0, 0.0f, 0.0f, receipt};
+        return selection(reservoir.light(), reservoir.prob(), receipt);
     }
 
     Selection select_of_list(const ShadingPoint& point, float u) const noexcept {
@@ -145,13 +161,12 @@ class PaperSampler final : public PaperSamplerBase {
         LightList list(list_size_, hash(float_bits(u), float_bits(x.x), float_bits(x.y)));
         tree_.for_each_accepted(x, Receiver(point), point.set,
                                 [&](const Accepted& accepted) { list.add(accepted); });
-        if (list.size() == 0) return {0, 0.0f, {0.0f, point.set}};
-        float cdf[kMaxListSize], sum = 0.0f;
+        if (list.size() == 0) return {0, 0.0f, 0.0f, {0.0f, point.set}};
+        float cdf[PaperScene::kMaxListSize], sum = 0.0f;
         for (std::uint32_t i = 0; i < list.size(); ++i) cdf[i] = sum += weight(list[i]);
         const Accepted& chosen = list.sample(cdf, u);
-        return {tree_.to_light(chosen.record),
-                list.keep_prob() * (numerator(chosen) / sum),
-                {sum, point.set}};
+        return selection(chosen.record, list.keep_prob() * (numerator(chosen) / sum),
+                         {sum, point.set});
     }
 
     CullingTree tree_;
@@ -162,15 +177,12 @@ class PaperSampler final : public PaperSamplerBase {
 
 }  // namespace
 
-std::unique_ptr<LightSampler> make_paper_sampler(Span<const Light> lights,
-                                                 const PaperOptions& options) {
-    check_set_count(options.set_count);
-    if (options.list_size > kMaxListSize) {
-        throw Error("list is " + std::to_string(options.list_size) + ", wanted 0 to " +
-                    std::to_string(kMaxListSize));
-    }
+std::unique_ptr<LightSampler> make_paper_sampler(const PaperOptions& options,
+                                                 Span<const Light> lights,
+                                                 const SamplerContext& context) {
     const LightTable table = make_light_table(lights);
-    const float reach = calibrate_reach(ranged_scene(table), options.range, RangeLaw::kRandom);
+    const float reach = calibrate_reach(ranged_scene(table), options.range,
+                                        context.calibration_points, RangeLaw::kRandom);
     return std::make_unique<PaperSampler>(table, reach, options);
 }
 

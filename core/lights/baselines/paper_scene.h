@@ -1,6 +1,6 @@
 #pragma once
 
-#include <lightcull/light_sampler.h>
+#include <lightcull/samplers.h>
 
 #include <cstdint>
 
@@ -13,10 +13,12 @@ struct PaperScene {
     const CullingTree& tree;
     bool range_at_vertex, weight_by_g;
     std::uint32_t list_size;
+
+    static constexpr std::uint32_t kMaxListSize = 64;
 };
 
 /// `paper`, for back ends that choose as it does.
-class PaperSamplerBase : public LightSampler {
+class PaperSamplerBase : public LightSampler, public VertexCulling {
   public:
     /// Lives as long as the sampler. Passes change the ranges of the tree.
     virtual PaperScene scene() const noexcept = 0;

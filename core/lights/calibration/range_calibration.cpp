@@ -48,9 +48,10 @@ std::vector<std::size_t> sample_lights(std::size_t n) {
 }
 
 /// The caller's points, or some inside the bounds of the lights.
-std::vector<LightBvhPoint> points_or_drawn(const RangedScene& scene, const RangeOptions& options) {
+std::vector<LightBvhPoint> points_or_drawn(const RangedScene& scene,
+                                           Span<const ShadingPoint> given) {
     std::vector<LightBvhPoint> points;
-    for (const ShadingPoint& point : options.calibration_points) {
+    for (const ShadingPoint& point : given) {
         points.emplace_back(scene.frame.position(point.position), Receiver(point));
     }
     if (!points.empty()) return points;
@@ -127,9 +128,9 @@ RangedScene scene_of(const LightTable& table, const Distance& distance) {
 }
 
 double reach_of_expected_count(const RangedScene& scene, const RangeOptions& options,
-                               RangeLaw law) {
+                               Span<const ShadingPoint> given, RangeLaw law) {
     const std::vector<std::size_t> sample = sample_lights(scene.lights.size());
-    const std::vector<LightBvhPoint> points = points_or_drawn(scene, options);
+    const std::vector<LightBvhPoint> points = points_or_drawn(scene, given);
     std::vector<float> thresholds = sorted_thresholds(scene, sample, points);
     const double per_point = static_cast<double>(points.size()) *
                              static_cast<double>(sample.size()) /
@@ -151,20 +152,9 @@ double reach_of_expected_count(const RangedScene& scene, const RangeOptions& opt
     return std::exp2(high);
 }
 
-}  // namespace
-
-void check_range_options(const RangeOptions& options) {
-    const auto positive = [](float value, const char* name) {
-        if (!(value > 0.0f && std::isfinite(value))) {
-            throw Error(std::string(name) + " is " + std::to_string(value) +
-                        ", wanted finite and above 0");
-        }
-    };
-    if (options.error_bound) positive(*options.error_bound, "error_bound");
-    positive(options.expected_accepted, "expected_accepted");
-    positive(options.exposure, "exposure");
-    for (std::size_t i = 0; i < options.calibration_points.size(); ++i) {
-        const ShadingPoint& point = options.calibration_points[i];
+void check_finite(Span<const ShadingPoint> points) {
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const ShadingPoint& point = points[i];
         const GlossyLobe& lobe = point.lobe;
         if (!is_finite(point.position) || !is_finite(point.normal) || !is_finite(lobe.axis) ||
             !std::isfinite(point.diffuse) || !std::isfinite(lobe.alpha) ||
@@ -173,6 +163,8 @@ void check_range_options(const RangeOptions& options) {
         }
     }
 }
+
+}  // namespace
 
 RangedScene ranged_scene(const LightTable& table) {
     return scene_of(table, [](const LightRecord& light, const Approach& way) {
@@ -194,11 +186,12 @@ RangedScene ranged_scene(const LightGroups& groups, const Frame& frame) {
             }};
 }
 
-float calibrate_reach(const RangedScene& scene, const RangeOptions& options, RangeLaw law) {
-    check_range_options(options);
+float calibrate_reach(const RangedScene& scene, const RangeOptions& options,
+                      Span<const ShadingPoint> points, RangeLaw law) {
+    check_finite(points);
     if (scene.lights.empty()) return 1.0f;
     return clamp_reach(options.error_bound ? reach_of_error_bound(scene, options, law)
-                                           : reach_of_expected_count(scene, options, law));
+                                           : reach_of_expected_count(scene, options, points, law));
 }
 
 }  // namespace lightcull

@@ -29,13 +29,11 @@ RangedScene ranged_scene(const LightTable& table);
 RangedScene directed_scene(const LightTable& table);
 RangedScene ranged_scene(const LightGroups& groups, const Frame& frame);
 
-/// Throws Error for options that make no sense.
-void check_range_options(const RangeOptions& options);
-
 /// The factor by which an intensity is to be multiplied for the square of its range at xi = 1, in
 /// the units of the frame: 1 / alpha_i is reach * intensity. From options.error_bound, or by
-/// bisection for options.expected_accepted of them per point, of those that can reach it. Throws
-/// as check_range_options().
-float calibrate_reach(const RangedScene& scene, const RangeOptions& options, RangeLaw law);
+/// bisection for options.expected_accepted of them per point, of those that can reach it. points:
+/// SamplerContext::calibration_points. Throws Error for points that are not finite.
+float calibrate_reach(const RangedScene& scene, const RangeOptions& options,
+                      Span<const ShadingPoint> points, RangeLaw law);
 
 }  // namespace lightcull

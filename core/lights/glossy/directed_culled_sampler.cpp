@@ -1,5 +1,7 @@
 #include "lights/glossy/directed_culled_sampler.h"
 
+#include <lightcull/sampler_info.h>
+
 #include <utility>
 #include <vector>
 
@@ -19,15 +21,24 @@ std::vector<LightRecord> lit_records(const LightTable& table) {
 }
 
 /// Weighs every accepted light by g / p while the tree is walked and keeps one; the probability of
-/// light i is g_i / W (DESIGN section 3).
-class DirectedCulledSampler final : public DirectedCulledSamplerBase {
+/// light i is g_i / W (design.md, "The estimator").
+class DirectedCulledSampler final : public DirectedCulledSamplerBase, public SamplerInfo {
   public:
     DirectedCulledSampler(const LightTable& table, const RandomRanges& ranges)
-        : frame_(table.frame), tree_(lit_records(table), ranges), lights_(table, tree_.order()) {}
+        : frame_(table.frame),
+          tree_(lit_records(table), ranges),
+          lights_(std::make_shared<const OrderedLights>(table, tree_.order())) {}
+
+    DirectedCulledSampler(const DirectedCulledSampler& other, std::uint64_t pass)
+        : frame_(other.frame_), tree_(other.tree_, pass), lights_(other.lights_) {}
 
     using LightSampler::select;
 
     void begin_pass(std::uint64_t pass) override { tree_.begin_pass(pass); }
+
+    std::unique_ptr<const LightSelector> pass(std::uint64_t number) const override {
+        return std::make_unique<DirectedCulledSampler>(*this, number);
+    }
 
     Selection select(const ShadingPoint& point, float u) const noexcept override {
         Reservoir reservoir(u);
@@ -35,15 +46,16 @@ class DirectedCulledSampler final : public DirectedCulledSamplerBase {
             reservoir.add(record, g, g * inverse_prob);
         });
         const Receipt receipt{reservoir.weight_sum(), point.set};
-        if (!reservoir.chosen()) return {0, 0.0f, receipt};
-        return {lights_.lights[reservoir.light()], reservoir.prob(), receipt};
+        if (!reservoir.chosen()) return {0, 0.0f, 0.0f, receipt};
+        const float prob = reservoir.prob();
+        return {lights_->lights[reservoir.light()], prob, prob, receipt};
     }
 
     float prob(const ShadingPoint& point, const Receipt& receipt,
                std::uint32_t light) const noexcept override {
-        const std::uint32_t record = lights_.record_of[light];
+        const std::uint32_t record = lights_->record_of[light];
         if (record == OrderedLights::kNoRecord) return 0.0f;
-        const LightRecord& of_light = lights_.records[record];
+        const LightRecord& of_light = lights_->records[record];
         const Approach way = approach(frame_.position(point.position), of_light.center);
         const float g = importance(of_light, way, Receiver(point));
         if (!(g > 0.0f)) return 0.0f;
@@ -60,7 +72,7 @@ class DirectedCulledSampler final : public DirectedCulledSamplerBase {
     }
 
     std::size_t memory_size() const noexcept override {
-        return tree_.memory_size() + lights_.memory_size();
+        return tree_.memory_size() + lights_->memory_size();
     }
 
   private:
@@ -73,10 +85,10 @@ class DirectedCulledSampler final : public DirectedCulledSamplerBase {
         const Receiver receiver(point);
         const auto weigh = [&](std::uint32_t record) {
             ++counts.lights_tested;
-            const Approach way = approach(x, lights_.records[record].center);
+            const Approach way = approach(x, lights_->records[record].center);
             const float distance = tree_.light(record).distance(way);
             if (!tree_.accepts(record, point.set, distance)) return;
-            const float g = importance(lights_.records[record], way, receiver);
+            const float g = importance(lights_->records[record], way, receiver);
             if (!(g > 0.0f)) return;
             ++counts.accepted;
             visit(record, g, tree_.inverse_prob(record, distance));
@@ -91,7 +103,7 @@ class DirectedCulledSampler final : public DirectedCulledSamplerBase {
 
     Frame frame_;
     InfluenceTree tree_;
-    OrderedLights lights_;
+    std::shared_ptr<const OrderedLights> lights_;
 };
 
 }  // namespace

@@ -63,12 +63,22 @@ InfluenceTree::InfluenceTree(Span<const LightRecord> records, const RandomRanges
     : ranges_(ranges) {
     const std::vector<DirectedLight> lights(records.begin(), records.end());
     SphereTree topology = topology_of(lights, ranges);
-    lights_.reserve(lights.size());
-    for (const std::uint32_t i : topology.order) lights_.push_back(lights[i]);
+    Shared shared;
+    shared.lights.reserve(lights.size());
+    for (const std::uint32_t i : topology.order) shared.lights.push_back(lights[i]);
     of_set_.resize(ranges.set_count());
     for (SphereTree& tree : of_set_) tree.nodes = topology.nodes;
     radii_.resize(topology.slot_count() * ranges.set_count(), kNoRadius);
-    order_ = std::move(topology.order);
+    shared.order = std::move(topology.order);
+    shared_ = std::make_shared<const Shared>(std::move(shared));
+}
+
+InfluenceTree::InfluenceTree(const InfluenceTree& other, std::uint64_t pass)
+    : ranges_(other.ranges_),
+      shared_(other.shared_),
+      of_set_(other.of_set_),
+      radii_(other.radii_.size(), kNoRadius) {
+    begin_pass(pass);
 }
 
 void InfluenceTree::begin_pass(std::uint64_t pass) {
@@ -90,7 +100,7 @@ void InfluenceTree::place(std::uint32_t set) {
             const std::uint32_t link = node.link[count], record = link & ~SphereNode::kLeaf;
             slots[count] = (link & SphereNode::kLeaf) == 0
                                ? around[link]
-                               : around_light(lights_[record], range(record, set));
+                               : around_light(light(record), range(record, set));
             const Ball& ball = slots[count].ball;
             node.x[count] = ball.center.x;
             node.y[count] = ball.center.y;
@@ -103,7 +113,7 @@ void InfluenceTree::place(std::uint32_t set) {
 }
 
 std::size_t InfluenceTree::memory_size() const noexcept {
-    std::size_t size = size_of(order_) + size_of(lights_) + size_of(radii_);
+    std::size_t size = size_of(shared_->order) + size_of(shared_->lights) + size_of(radii_);
     for (const SphereTree& tree : of_set_) size += tree.memory_size();
     return size;
 }

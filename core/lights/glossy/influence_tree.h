@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "lights/glossy/directed_light.h"
@@ -18,16 +19,21 @@ namespace lightcull {
 /// record, in the order of the tree's leaves.
 class InfluenceTree {
   public:
-    /// records: lit ones. Runs in the caller's TBB arena.
+    /// records: lit ones. Has no ranges before the first begin_pass().
     InfluenceTree(Span<const LightRecord> records, const RandomRanges& ranges);
+
+    /// The ranges of another pass over the same lights, which both share.
+    InfluenceTree(const InfluenceTree& other, std::uint64_t pass);
 
     /// Draws all ranges of the pass and places the spheres. Runs in the caller's TBB arena.
     void begin_pass(std::uint64_t pass);
 
     const RandomRanges& ranges() const noexcept { return ranges_; }
-    const DirectedLight& light(std::uint32_t record) const noexcept { return lights_[record]; }
+    const DirectedLight& light(std::uint32_t record) const noexcept {
+        return shared_->lights[record];
+    }
     /// By record: index in what the tree was built over.
-    const std::vector<std::uint32_t>& order() const noexcept { return order_; }
+    const std::vector<std::uint32_t>& order() const noexcept { return shared_->order; }
 
     /// Calls visit(Span of records) for whatever may be accepted at a point in `set`, some at a
     /// time, but for what lies below its horizon. Returns the number of nodes read.
@@ -44,20 +50,25 @@ class InfluenceTree {
     }
     /// 1 / p.
     float inverse_prob(std::uint32_t record, float distance) const noexcept {
-        return ranges_.inverse_prob(lights_[record].intensity(), distance);
+        return ranges_.inverse_prob(shared_->lights[record].intensity(), distance);
     }
 
     std::size_t memory_size() const noexcept;
 
   private:
     float range(std::uint32_t record, std::uint32_t set) const noexcept {
-        return ranges_.range(lights_[record].intensity(), ranges_.xi(record, set));
+        return ranges_.range(shared_->lights[record].intensity(), ranges_.xi(record, set));
     }
     void place(std::uint32_t set);
 
+    /// What does not change from pass to pass.
+    struct Shared {
+        std::vector<std::uint32_t> order;
+        std::vector<DirectedLight> lights;
+    };
+
     RandomRanges ranges_;
-    std::vector<std::uint32_t> order_;
-    std::vector<DirectedLight> lights_;
+    std::shared_ptr<const Shared> shared_;
     std::vector<SphereTree> of_set_;  ///< nodes alone, of one topology, where the set has them
     std::vector<float> radii_;        ///< [set][node][slot]
 };

@@ -2,9 +2,9 @@
 
 #include <cstdint>
 
-/// Which set of random ranges a point uses, and how the sets are spread (DESIGN section 3, No
-/// banding): sets are rotations of one another by rank / set_count, and neighbours in the pattern
-/// have ranks far apart.
+/// How the sets of random ranges are spread (design.md, "No banding"): sets lie in a square pattern
+/// of pixels, those of one draw are rotations of one another by rank / rotations, and neighbours in
+/// the pattern have ranks far apart.
 
 namespace lightcull {
 
@@ -29,20 +29,59 @@ constexpr std::uint32_t bayer_rank(std::uint32_t x, std::uint32_t y,
     return rank;
 }
 
-constexpr std::uint32_t rank_of_set(std::uint32_t set, std::uint32_t log4_sets) noexcept {
-    const std::uint32_t mask = (1u << log4_sets) - 1u;
-    return bayer_rank(set & mask, set >> log4_sets, log4_sets);
-}
+/// Where the sets of a pass lie, and what each of them is: a rotation of a draw. The square of a
+/// draw's rotations is repeated, with another draw each time.
+class SetPattern {
+  public:
+    /// set_count: a power of 4.
+    explicit constexpr SetPattern(std::uint32_t set_count) noexcept
+        : log4_sets_(log4_of(set_count)),
+          log4_rotations_(log4_sets_ < kMaxLog4Rotations ? log4_sets_ : kMaxLog4Rotations) {}
 
-constexpr std::uint32_t set_of_rank(std::uint32_t rank, std::uint32_t log4_sets) noexcept {
-    std::uint32_t x = 0, y = 0;
-    for (std::uint32_t bit = 0; bit < log4_sets; ++bit) {
-        const std::uint32_t pair = (rank >> (2 * (log4_sets - 1 - bit))) & 3u;
-        const std::uint32_t y_bit = pair & 1u, x_bit = (pair >> 1) ^ y_bit;
-        x |= x_bit << bit;
-        y |= y_bit << bit;
+    constexpr std::uint32_t rotations() const noexcept { return 1u << (2 * log4_rotations_); }
+    constexpr std::uint32_t draws() const noexcept {
+        return 1u << (2 * (log4_sets_ - log4_rotations_));
     }
-    return (y << log4_sets) | x;
-}
+    /// Pixels along the edge of the square of a draw's rotations.
+    constexpr std::uint32_t log2_edge() const noexcept { return log4_rotations_; }
+
+    /// The set at (x, y) of the pattern, which goes on beyond its edges.
+    constexpr std::uint32_t set_at(std::uint32_t x, std::uint32_t y) const noexcept {
+        const std::uint32_t mask = (1u << log4_sets_) - 1u;
+        return ((y & mask) << log4_sets_) | (x & mask);
+    }
+    constexpr std::uint32_t rank_at(std::uint32_t x, std::uint32_t y) const noexcept {
+        return bayer_rank(x, y, log4_rotations_);
+    }
+
+    constexpr std::uint32_t rank_of(std::uint32_t set) const noexcept {
+        return rank_at(set, set >> log4_sets_);
+    }
+    constexpr std::uint32_t draw_of(std::uint32_t set) const noexcept {
+        const std::uint32_t x = set & ((1u << log4_sets_) - 1u), y = set >> log4_sets_;
+        return ((y >> log4_rotations_) << (log4_sets_ - log4_rotations_)) | (x >> log4_rotations_);
+    }
+
+    /// rank < rotations(), draw < draws().
+    constexpr std::uint32_t set_of(std::uint32_t rank, std::uint32_t draw) const noexcept {
+        std::uint32_t x = 0, y = 0;
+        for (std::uint32_t bit = 0; bit < log4_rotations_; ++bit) {
+            const std::uint32_t pair = (rank >> (2 * (log4_rotations_ - 1 - bit))) & 3u;
+            const std::uint32_t y_bit = pair & 1u, x_bit = (pair >> 1) ^ y_bit;
+            x |= x_bit << bit;
+            y |= y_bit << bit;
+        }
+        const std::uint32_t log2_draws = log4_sets_ - log4_rotations_;
+        x |= (draw & ((1u << log2_draws) - 1u)) << log4_rotations_;
+        y |= (draw >> log2_draws) << log4_rotations_;
+        return set_at(x, y);
+    }
+
+  private:
+    /// 256 rotations: more of one draw would not make up for lights whose numbers turn together.
+    static constexpr std::uint32_t kMaxLog4Rotations = 4;
+
+    std::uint32_t log4_sets_, log4_rotations_;
+};
 
 }  // namespace lightcull

@@ -16,37 +16,42 @@ constexpr std::uint32_t kRefitParts = 64;
 
 RangeTree::RangeTree(Span<const RangedLight> lights, const RandomRanges& ranges)
     : ranges_(ranges),
-      tree_(build_sphere_tree(lights, ranges.reach())),
-      refit_order_(make_refit_order(tree_, kRefitParts)),
-      radii_(tree_.slot_count() * ranges.set_count()),
-      around_(tree_.nodes.size() * std::min(ranges.set_count(), Refit::kMaxSets)) {
+      topology_([&] {
+          Topology topology{build_sphere_tree(lights, ranges.reach()), {}};
+          topology.refit_order = make_refit_order(topology.tree, kRefitParts);
+          return std::make_shared<const Topology>(std::move(topology));
+      }()),
+      radii_(tree().slot_count() * ranges.set_count()) {
+}
+
+RangeTree::RangeTree(const RangeTree& other, std::uint64_t pass)
+    : ranges_(other.ranges_), topology_(other.topology_), radii_(other.radii_.size()) {
+    begin_pass(pass);
 }
 
 void RangeTree::begin_pass(std::uint64_t pass) {
     ranges_.begin_pass(pass);
     const std::uint32_t sets = ranges_.set_count(), together = std::min(sets, Refit::kMaxSets);
-    for (std::uint32_t set = 0; set < sets; set += together) refit(set, together);
+    std::vector<float> around(tree().nodes.size() * together);
+    for (std::uint32_t set = 0; set < sets; set += together) refit(set, together, around.data());
 }
 
-void RangeTree::refit(std::uint32_t first_set, std::uint32_t set_count) {
-    const Refit job{tree_,
-                    ranges_,
-                    first_set,
-                    set_count,
-                    radii_.data() + first_set * tree_.slot_count(),
-                    around_.data()};
+void RangeTree::refit(std::uint32_t first_set, std::uint32_t set_count, float* around) {
+    const Refit job{
+        tree(), ranges_, first_set, set_count, radii_.data() + first_set * tree().slot_count(),
+        around};
     const auto refit_nodes = kernels().refit_nodes;
-    const std::vector<RefitOrder::Part>& parts = refit_order_.side_by_side;
+    const std::vector<RefitOrder::Part>& parts = topology_->refit_order.side_by_side;
     for_each_block(parts.size(), 1, [&](std::size_t i, std::size_t) {
         refit_nodes(job, parts[i].begin, parts[i].end);
     });
-    for (const RefitOrder::Part& part : refit_order_.afterwards) {
+    for (const RefitOrder::Part& part : topology_->refit_order.afterwards) {
         refit_nodes(job, part.begin, part.end);
     }
 }
 
 std::size_t RangeTree::memory_size() const noexcept {
-    return tree_.memory_size() + size_of(radii_) + size_of(around_);
+    return tree().memory_size() + size_of(radii_);
 }
 
 }  // namespace lightcull

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "lights/ranges/ranges.h"
@@ -17,17 +18,23 @@ namespace lightcull {
 /// numbered by record, in the order of the tree's leaves.
 class RangeTree {
   public:
+    /// Has no ranges before the first begin_pass().
     RangeTree(Span<const RangedLight> lights, const RandomRanges& ranges);
+
+    /// The ranges of another pass over the same topology, which both share.
+    RangeTree(const RangeTree& other, std::uint64_t pass);
 
     /// Draws all ranges of the pass and refits the tree. Runs in the caller's TBB arena.
     void begin_pass(std::uint64_t pass);
 
     const RandomRanges& ranges() const noexcept { return ranges_; }
-    const SphereTree& tree() const noexcept { return tree_; }
-    const RangedLight& record(std::uint32_t record) const noexcept { return tree_.records[record]; }
+    const SphereTree& tree() const noexcept { return topology_->tree; }
+    const RangedLight& record(std::uint32_t record) const noexcept {
+        return tree().records[record];
+    }
     /// [node][slot]
     const float* radii(std::uint32_t set) const noexcept {
-        return radii_.data() + set * tree_.slot_count();
+        return radii_.data() + set * tree().slot_count();
     }
 
     /// Calls visit(Span of records) for whatever is accepted at a point in `set`, some at a time,
@@ -35,31 +42,35 @@ class RangeTree {
     template <typename Visit>
     std::uint32_t for_accepted(const LightBvhPoint& point, std::uint32_t set,
                                Visit&& visit) const noexcept {
-        return traverse(tree_, radii(set), point, visit);
+        return traverse(tree(), radii(set), point, visit);
     }
 
-    /// Whether a range covers the point: to the bit what for_each_accepted() finds.
+    /// Whether a range covers the point: to the bit what for_accepted() finds.
     bool accepts(std::uint32_t record, std::uint32_t set, const Approach& way) const noexcept {
-        return ranges_.accepts(tree_.records[record], way, ranges_.xi(record, set));
+        return ranges_.accepts(tree().records[record], way, ranges_.xi(record, set));
     }
 
     /// 1 / p.
     float inverse_prob(std::uint32_t record, const Approach& way) const noexcept {
-        const RangedLight& light = tree_.records[record];
+        const RangedLight& light = tree().records[record];
         return ranges_.inverse_prob(light.intensity, light.distance(way));
     }
 
     std::size_t memory_size() const noexcept;
 
   private:
+    /// What does not change from pass to pass.
+    struct Topology {
+        SphereTree tree;
+        RefitOrder refit_order;
+    };
+
     /// The radii of sets [first_set, first_set + set_count).
-    void refit(std::uint32_t first_set, std::uint32_t set_count);
+    void refit(std::uint32_t first_set, std::uint32_t set_count, float* around);
 
     RandomRanges ranges_;
-    SphereTree tree_;
-    RefitOrder refit_order_;
-    std::vector<float> radii_;   ///< [set][node][slot]
-    std::vector<float> around_;  ///< what a refit works with
+    std::shared_ptr<const Topology> topology_;
+    std::vector<float> radii_;  ///< [set][node][slot]
 };
 
 }  // namespace lightcull

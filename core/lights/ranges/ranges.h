@@ -43,11 +43,12 @@ class RandomRanges {
     /// reach: E / (2 pi epsilon_max) in the units of a LightTable, so that 1 / alpha_i of [TH16]
     /// Eq. 7 is reach * intensity.
     RandomRanges(float reach, std::uint32_t set_count, RangeLaw law = RangeLaw::kRandom)
-        : reach_(reach), law_(law), ranks_(set_count) {
-        const std::uint32_t log4_sets = log4_of(set_count);
+        : reach_(reach), law_(law), turns_(set_count) {
+        const SetPattern pattern(set_count);
         for (std::uint32_t set = 0; set < set_count; ++set) {
-            const std::uint64_t rank = rank_of_set(set, log4_sets);
-            ranks_[set] = static_cast<std::uint32_t>((rank << 32) / set_count);
+            const std::uint64_t rank = pattern.rank_of(set);
+            turns_[set] = {static_cast<std::uint32_t>((rank << 32) / pattern.rotations()),
+                           pattern.draw_of(set) * 0x9e3779b9u};
         }
     }
 
@@ -58,18 +59,23 @@ class RandomRanges {
     }
 
     float reach() const noexcept { return reach_; }
-    std::uint32_t set_count() const noexcept { return static_cast<std::uint32_t>(ranks_.size()); }
+    std::uint32_t set_count() const noexcept { return static_cast<std::uint32_t>(turns_.size()); }
 
     // What xi() is made from, for other back ends.
     std::uint32_t key_low() const noexcept { return key_low_; }
     std::uint32_t key_high() const noexcept { return key_high_; }
-    /// By set, as a fraction of 2^32.
-    Span<const std::uint32_t> ranks() const noexcept { return ranks_; }
+    /// What a set does with the numbers of a pass.
+    struct Turn {
+        std::uint32_t rank;  ///< by how much it turns them, as a fraction of 2^32
+        std::uint32_t draw;  ///< which draw it turns, as a number to hash
+    };
+    Span<const Turn> turns() const noexcept { return turns_; }
 
-    /// xi_i of the light in a set: uniform in (0, 1], independent from light to light, and in set s
-    /// that of set 0 turned by rank(s) / set_count. The exponent is a full one: 2^-56 can occur.
+    /// xi_i of the light in a set: uniform in (0, 1], independent from light to light and draw to
+    /// draw, and turned by the rank of the set among those of its draw (SetPattern). The exponent
+    /// is a full one: 2^-56 can occur.
     float xi(std::uint32_t light, std::uint32_t set) const noexcept {
-        return turned(digits(light), set);
+        return turned(digits(light, set), set);
     }
 
     /// The distance, from a light's bounding sphere, at which p_i falls to xi: [TH16] Eq. 3.
@@ -81,7 +87,8 @@ class RandomRanges {
     template <std::size_t kSets>
     void ranges(std::uint32_t light, std::uint32_t first_set, float intensity,
                 std::array<float, kSets>& out) const noexcept {
-        const Digits of_light = digits(light);
+        // Sets that are refitted together are of one draw.
+        const Digits of_light = digits(light, first_set);
         for (std::uint32_t i = 0; i < kSets; ++i) {
             out[i] = range(intensity, turned(of_light, first_set + i));
         }
@@ -114,19 +121,21 @@ class RandomRanges {
         float low;
     };
 
-    Digits digits(std::uint32_t light) const noexcept {
+    Digits digits(std::uint32_t light, std::uint32_t set) const noexcept {
         if (law_ == RangeLaw::kConstant) return {0xffffffffu, 0x1p24f};
-        const std::uint32_t high = scramble(scramble(light ^ key_low_) + key_high_);
+        const std::uint32_t high =
+            scramble(scramble(light ^ key_low_) + key_high_ + turns_[set].draw);
         return {high, static_cast<float>(scramble(high + key_low_) >> 8) + 1.0f};
     }
     float turned(Digits digits, std::uint32_t set) const noexcept {
-        return (static_cast<float>(digits.high + ranks_[set]) + digits.low * 0x1p-24f) * 0x1p-32f;
+        return (static_cast<float>(digits.high + turns_[set].rank) + digits.low * 0x1p-24f) *
+               0x1p-32f;
     }
 
     float reach_;
     RangeLaw law_;
     std::uint32_t key_low_ = 0, key_high_ = 0;
-    std::vector<std::uint32_t> ranks_;
+    std::vector<Turn> turns_;
 };
 
 }  // namespace lightcull

@@ -1,5 +1,5 @@
 #include <lightcull/error.h>
-#include <lightcull/samplers.h>
+#include <lightcull/sampler_info.h>
 
 #include <hwy/cache_control.h>
 
@@ -15,11 +15,16 @@
 #include "lights/glossy/directed_culled_sampler.h"
 #include "lights/ranges/set_count.h"
 #include "lights/samplers/culled_scene.h"
+#include "lights/samplers/make_samplers.h"
 #include "lights/samplers/point_order.h"
 #include "lights/simd/kernels.h"
 
 namespace lightcull {
 namespace {
+
+/// Sets of lights with glossy points among them have spheres of their own, not radii alone: 55
+/// bytes a light and set.
+constexpr std::uint32_t kSetsOfGlossy = 16;
 
 /// Every accepted group of lights is weighed by g / p while the tree is walked, and one is kept;
 /// its light is then found down a light BVH. The mean over xi of [i accepted] (g_i / p_i) / W /
@@ -29,33 +34,42 @@ namespace {
 /// ranges cover, or only those of dim lights, is not left in the dark. Given the ranges of all
 /// others, a group that is accepted alone is chosen with p + (1 - p) q, where q is what the BVH
 /// gives it: that is prob then, whichever way it was chosen.
-class CulledSampler final : public CulledSamplerBase {
+class CulledSampler final : public CulledSamplerBase, public SamplerInfo {
   public:
     CulledSampler(const Frame& frame, LightGroups groups, const RandomRanges& ranges)
-        : frame_(frame), groups_(std::move(groups)), tree_(groups_.ranged(), ranges) {
-        groups_.reorder(tree_.tree().order);
+        : frame_(frame), tree_(groups.ranged(), ranges) {
+        groups.reorder(tree_.tree().order);
+        groups_ = std::make_shared<const LightGroups>(std::move(groups));
     }
 
-    CulledScene scene() const noexcept override { return {frame_, groups_, tree_}; }
+    CulledSampler(const CulledSampler& other, std::uint64_t pass)
+        : frame_(other.frame_), groups_(other.groups_), tree_(other.tree_, pass) {}
+
+    CulledScene scene() const noexcept override { return {frame_, *groups_, tree_}; }
 
     void begin_pass(std::uint64_t pass) override { tree_.begin_pass(pass); }
+
+    std::unique_ptr<const LightSelector> pass(std::uint64_t number) const override {
+        return std::make_unique<CulledSampler>(*this, number);
+    }
 
     Selection select(const ShadingPoint& point, float u) const noexcept override {
         const LightBvhPoint x = to_local(point);
         GroupChoice choice;
         tree_.for_accepted(x, point.set, [&](Span<const std::uint32_t> records) {
-            kernels().weigh_groups(tree_, groups_.groups.data(), records, x, float_bits(u), choice);
+            kernels().weigh_groups(tree_, groups_->groups.data(), records, x, float_bits(u),
+                                   choice);
         });
         LightBvhDescent descent;
         descent.point = x;
         start(choice, u, descent);
-        kernels().means.descend(groups_.bvh, {&descent, 1});
+        kernels().means.descend(groups_->bvh, {&descent, 1});
         return result(descent, receipt_of(point.set, choice, x));
     }
 
     /// Sixteen points at a time, of one set and near each other.
     void select(Span<const ShadingPoint> points, Span<const float> u,
-                Span<Selection> selections) const noexcept override {
+                Span<Selection> selections) const override {
         const std::vector<std::uint32_t> order = order_points(points, set_count());
         constexpr std::size_t kBlock = 16 * PointPacket::kSize;
         for_each_block(points.size(), kBlock, [&](std::size_t begin, std::size_t end) {
@@ -65,13 +79,13 @@ class CulledSampler final : public CulledSamplerBase {
         });
     }
 
-    /// Of the group g / W', with W' = W if it was accepted, else W + w (DESIGN section 3, MIS),
+    /// That of the group is g / W', with W' = W if it was accepted, else W + w (design.md, "MIS"),
     /// unless no other was accepted; times that of the light within it.
     float prob(const ShadingPoint& point, const Receipt& receipt,
                std::uint32_t light) const noexcept override {
-        const std::uint32_t index = groups_.group_of[light];
+        const std::uint32_t index = groups_->group_of[light];
         if (index == LightGroups::kNoGroup) return 0.0f;
-        const LightGroup& group = groups_.groups[index];
+        const LightGroup& group = groups_->groups[index];
         const LightBvhPoint x = to_local(point);
         const float g = importance(group, x);
         const Approach way = approach(x.position, group.position());
@@ -95,14 +109,14 @@ class CulledSampler final : public CulledSamplerBase {
             tree_.for_accepted(x, point.set, [&](Span<const std::uint32_t> records) {
                 for (const std::uint32_t record : records) {
                     ++counts.lights_tested;
-                    counts.accepted += importance(groups_.groups[record], x) > 0.0f ? 1 : 0;
+                    counts.accepted += importance(groups_->groups[record], x) > 0.0f ? 1 : 0;
                 }
             });
         return counts;
     }
 
     std::size_t memory_size() const noexcept override {
-        return groups_.memory_size() + tree_.memory_size();
+        return groups_->memory_size() + tree_.memory_size();
     }
 
   private:
@@ -117,21 +131,21 @@ class CulledSampler final : public CulledSamplerBase {
                         double prob_of_group) const noexcept {
         const bool alone = (group.child[0] & LightBvhNode::kLight) != 0;
         if (alone) return static_cast<float>(prob_of_group);
-        const LightBvhSlot slot = groups_.bvh.slots[light];
+        const LightBvhSlot slot = groups_->bvh.slots[light];
         return static_cast<float>(
-            kernels().means.prob_of_slot(groups_.bvh, x, slot, prob_of_group));
+            kernels().means.prob_of_slot(groups_->bvh, x, slot, prob_of_group));
     }
 
     /// Of a light where no group is accepted, or its own alone.
     float prob_without_others(const LightBvhPoint& x, std::uint32_t index,
                               std::uint32_t light) const noexcept {
-        const LightGroup& group = groups_.groups[index];
+        const LightGroup& group = groups_->groups[index];
         const Approach way = approach(x.position, group.position());
         double p = 0.0;
         if (importance(group, x) > 0.0f) {
             p = 1.0 / static_cast<double>(tree_.inverse_prob(index, way));
         }
-        const double q = kernels().means.prob_of_slot(groups_.bvh, x, groups_.slots[index], 1.0);
+        const double q = kernels().means.prob_of_slot(groups_->bvh, x, groups_->slots[index], 1.0);
         return prob_of_light(x, group, light, p + (1.0 - p) * q);
     }
 
@@ -140,8 +154,8 @@ class CulledSampler final : public CulledSamplerBase {
         if (choice.weight_sum > 0.0f) {
             descent.place = uniform_double(hash(float_bits(u), choice.record));
             descent.prob = static_cast<double>(choice.numerator / choice.weight_sum);
-            descent.child = groups_.groups[choice.record].child[0];
-        } else if (!groups_.bvh.nodes.empty()) {
+            descent.child = groups_->groups[choice.record].child[0];
+        } else if (!groups_->bvh.nodes.empty()) {
             descent.place = uniform_double(hash(float_bits(u), LightGroups::kNoGroup));
             descent.prob = 1.0;
             descent.child = 0;
@@ -164,7 +178,7 @@ class CulledSampler final : public CulledSamplerBase {
     bool may_be_alone(const GroupChoice& choice, const LightBvhPoint& x) const noexcept {
         const float g = choice.numerator, sum = choice.weight_sum;
         if (!(g < sum)) return false;
-        const LightGroup& group = groups_.groups[choice.record];
+        const LightGroup& group = groups_->groups[choice.record];
         const Approach way = approach(x.position, group.position());
         // First a bound on the weight, which is cheap.
         constexpr float kRoundUp = 1.0f + 1e-5f;
@@ -177,18 +191,20 @@ class CulledSampler final : public CulledSamplerBase {
         std::uint32_t count = 0;
         tree_.for_accepted(x, set, [&](Span<const std::uint32_t> records) {
             for (const std::uint32_t record : records) {
-                count += importance(groups_.groups[record], x) > 0.0f ? 1 : 0;
+                count += importance(groups_->groups[record], x) > 0.0f ? 1 : 0;
             }
         });
         return count;
     }
 
     Selection result(const LightBvhDescent& descent, const Receipt& receipt) const noexcept {
-        if (!(descent.prob > 0.0)) return {0, 0.0f, receipt};
+        if (!(descent.prob > 0.0)) return {0, 0.0f, 0.0f, receipt};
         const std::uint32_t light = descent.child & ~LightBvhNode::kLight;
-        if (receipt.weight_sum > 0.0f) return {light, static_cast<float>(descent.prob), receipt};
-        const float prob = prob_without_others(descent.point, groups_.group_of[light], light);
-        return {light, prob, receipt};
+        const float prob =
+            receipt.weight_sum > 0.0f
+                ? static_cast<float>(descent.prob)
+                : prob_without_others(descent.point, groups_->group_of[light], light);
+        return {light, prob, prob, receipt};
     }
 
     /// As many of the points that `order` names as go into one packet; their number.
@@ -210,14 +226,14 @@ class CulledSampler final : public CulledSamplerBase {
         const std::size_t next = std::min(order.size() - count, PointPacket::kSize);
         prefetch({order.data() + count, next}, points, u, selections);
         PacketChoice packet{};
-        kernels().select_packet(tree_, groups_.groups.data(), builder.packet(), packet);
+        kernels().select_packet(tree_, groups_->groups.data(), builder.packet(), packet);
         std::array<Receipt, PointPacket::kSize> receipts;
         for (std::size_t i = 0; i < count; ++i) {
             const GroupChoice choice{packet.weight_sum[i], packet.numerator[i], packet.record[i]};
             receipts[i] = receipt_of(set, choice, descents[i].point);
             start(choice, u[order[i]], descents[i]);
         }
-        kernels().means.descend(groups_.bvh, {descents.data(), count});
+        kernels().means.descend(groups_->bvh, {descents.data(), count});
         for (std::size_t i = 0; i < count; ++i) {
             selections[order[i]] = result(descents[i], receipts[i]);
         }
@@ -236,32 +252,34 @@ class CulledSampler final : public CulledSamplerBase {
     }
 
     Frame frame_;
-    LightGroups groups_;
+    std::shared_ptr<const LightGroups> groups_;
     RangeTree tree_;
 };
 
 }  // namespace
 
-std::unique_ptr<LightSampler> make_culled_sampler(Span<const Light> lights,
-                                                  const CulledOptions& options) {
-    check_set_count(options.set_count);
-    if (options.group_size == 0u) throw Error("group is 0, wanted 1 or more");
+std::unique_ptr<LightSampler> make_culled_sampler(const CulledOptions& options,
+                                                  Span<const Light> lights,
+                                                  const SamplerContext& context) {
     const LightTable table = make_light_table(lights);
     if (table.has_glossy) {
         if (options.group_size.value_or(1) != 1) {
             throw Error("group is " + std::to_string(*options.group_size) +
                         ", and there are glossy points, which do not share ranges");
         }
-        const float reach =
-            calibrate_reach(directed_scene(table), options.range, RangeLaw::kRandom);
-        return make_directed_culled_sampler(table, reach, options.set_count);
+        const float reach = calibrate_reach(directed_scene(table), options.range,
+                                            context.calibration_points, RangeLaw::kRandom);
+        return make_directed_culled_sampler(table, reach,
+                                            options.set_count.value_or(kSetsOfGlossy));
     }
     LightGroups groups = make_light_groups(
         table, options.group_size.value_or(suitable_group_size(table.lit.size())));
-    const float reach =
-        calibrate_reach(ranged_scene(groups, table.frame), options.range, RangeLaw::kRandom);
-    return std::make_unique<CulledSampler>(table.frame, std::move(groups),
-                                           RandomRanges(reach, options.set_count));
+    const float reach = calibrate_reach(ranged_scene(groups, table.frame), options.range,
+                                        context.calibration_points, RangeLaw::kRandom);
+    const std::uint32_t suitable =
+        suitable_set_count(lights.size(), groups.groups.size(), context.points_per_pass);
+    return std::make_unique<CulledSampler>(
+        table.frame, std::move(groups), RandomRanges(reach, options.set_count.value_or(suitable)));
 }
 
 }  // namespace lightcull

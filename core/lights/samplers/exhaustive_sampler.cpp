@@ -1,60 +1,60 @@
-#include <lightcull/samplers.h>
-
 #include "base/memory_size.h"
 #include "base/reservoir.h"
 #include "lights/light/importance.h"
 #include "lights/light/light_record.h"
+#include "lights/samplers/make_samplers.h"
+#include "lights/samplers/passless_sampler.h"
 
 namespace lightcull {
 namespace {
 
-class ExhaustiveSampler final : public LightSampler {
+class ExhaustiveSampler final : public PasslessSampler<ExhaustiveSampler> {
   public:
-    explicit ExhaustiveSampler(LightTable table) : table_(std::move(table)) {}
+    explicit ExhaustiveSampler(LightTable table)
+        : table_(std::make_shared<const LightTable>(std::move(table))) {}
 
     using LightSampler::select;
 
-    void begin_pass(std::uint64_t) override {}
-
     Selection select(const ShadingPoint& point, float u) const noexcept override {
-        const float3 x = table_.frame.position(point.position);
+        const float3 x = table_->frame.position(point.position);
         Reservoir reservoir(u);
-        for (const std::uint32_t i : table_.lit) {
+        for (const std::uint32_t i : table_->lit) {
             const float g = importance_at(x, Receiver(point), i);
             if (g > 0.0f) reservoir.add(i, g, g);
         }
         if (!reservoir.chosen()) return {};
-        return {reservoir.light(), reservoir.prob(), {reservoir.weight_sum(), 0}};
+        const float prob = reservoir.prob();
+        return {reservoir.light(), prob, prob, {reservoir.weight_sum(), 0}};
     }
 
     float prob(const ShadingPoint& point, const Receipt& receipt,
                std::uint32_t light) const noexcept override {
-        const float3 x = table_.frame.position(point.position);
+        const float3 x = table_->frame.position(point.position);
         const float g = importance_at(x, Receiver(point), light);
         return g > 0.0f ? g / receipt.weight_sum : 0.0f;
     }
 
     SelectionCounts count(const ShadingPoint& point) const noexcept override {
-        const float3 x = table_.frame.position(point.position);
+        const float3 x = table_->frame.position(point.position);
         SelectionCounts counts;
-        counts.lights_tested = static_cast<std::uint32_t>(table_.lit.size());
-        for (const std::uint32_t i : table_.lit) {
+        counts.lights_tested = static_cast<std::uint32_t>(table_->lit.size());
+        for (const std::uint32_t i : table_->lit) {
             if (importance_at(x, Receiver(point), i) > 0.0f) ++counts.accepted;
         }
         return counts;
     }
 
     std::size_t memory_size() const noexcept override {
-        return size_of(table_.records) + size_of(table_.lit);
+        return size_of(table_->records) + size_of(table_->lit);
     }
 
   private:
     float importance_at(float3 x, const Receiver& receiver, std::uint32_t i) const noexcept {
-        const LightRecord& light = table_.records[i];
+        const LightRecord& light = table_->records[i];
         return importance(light, approach(x, light.center), receiver);
     }
 
-    LightTable table_;
+    std::shared_ptr<const LightTable> table_;
 };
 
 }  // namespace

@@ -1,5 +1,3 @@
-#include <lightcull/samplers.h>
-
 #include <algorithm>
 #include <array>
 
@@ -8,29 +6,30 @@
 #include "base/refine.h"
 #include "lights/bvh/light_bvh.h"
 #include "lights/bvh/light_bvh_descend.h"
+#include "lights/samplers/make_samplers.h"
+#include "lights/samplers/passless_sampler.h"
 #include "lights/simd/kernels.h"
 
 namespace lightcull {
 namespace {
 
 template <typename Node>
-class LightBvhSampler final : public LightSampler {
+class LightBvhSampler final : public PasslessSampler<LightBvhSampler<Node>> {
   public:
     explicit LightBvhSampler(const LightTable& table)
-        : frame_(table.frame), bvh_(build_light_bvh<Node>(table)) {}
-
-    void begin_pass(std::uint64_t) override {}
+        : frame_(table.frame),
+          bvh_(std::make_shared<const LightBvh<Node>>(build_light_bvh<Node>(table))) {}
 
     Selection select(const ShadingPoint& point, float u) const noexcept override {
-        if (bvh_.nodes.empty()) return {};
+        if (bvh_->nodes.empty()) return {};
         LightBvhDescent descent{to_local(point), refine(u, point)};
-        of_bvh().descend(bvh_, {&descent, 1});
+        of_bvh().descend(*bvh_, {&descent, 1});
         return result(descent);
     }
 
     void select(Span<const ShadingPoint> points, Span<const float> u,
-                Span<Selection> selections) const noexcept override {
-        if (bvh_.nodes.empty()) {
+                Span<Selection> selections) const override {
+        if (bvh_->nodes.empty()) {
             std::fill(selections.begin(), selections.end(), Selection{});
             return;
         }
@@ -47,27 +46,28 @@ class LightBvhSampler final : public LightSampler {
     float prob(const ShadingPoint& point, const Receipt&,
                std::uint32_t light) const noexcept override {
         return static_cast<float>(
-            of_bvh().prob_of_slot(bvh_, to_local(point), bvh_.slots[light], 1.0));
+            of_bvh().prob_of_slot(*bvh_, to_local(point), bvh_->slots[light], 1.0));
     }
+    bool needs_receipt() const noexcept override { return false; }
 
     /// Of the selection with u = 0.5. All children of the nodes on its way are tested; those that
     /// are lights and have an importance above 0 are accepted.
     SelectionCounts count(const ShadingPoint& point) const noexcept override {
         SelectionCounts counts;
-        if (bvh_.nodes.empty()) return counts;
+        if (bvh_->nodes.empty()) return counts;
         LightBvhDescent descent{to_local(point), refine(0.5f, point)};
-        of_bvh().descend(bvh_, {&descent, 1});
+        of_bvh().descend(*bvh_, {&descent, 1});
         const std::uint32_t last = descent.prob > 0.0
-                                       ? bvh_.slots[result(descent).light] / LightBvhNode::kWidth
+                                       ? bvh_->slots[result(descent).light] / LightBvhNode::kWidth
                                        : descent.child;
-        for (std::uint32_t node = last;; node = bvh_.parents[node] / LightBvhNode::kWidth) {
-            add(bvh_.nodes[node], descent.point, counts);
+        for (std::uint32_t node = last;; node = bvh_->parents[node] / LightBvhNode::kWidth) {
+            add(bvh_->nodes[node], descent.point, counts);
             if (node == 0) return counts;
         }
     }
 
     std::size_t memory_size() const noexcept override {
-        return size_of(bvh_.nodes) + size_of(bvh_.parents) + size_of(bvh_.slots);
+        return size_of(bvh_->nodes) + size_of(bvh_->parents) + size_of(bvh_->slots);
     }
 
   private:
@@ -80,7 +80,7 @@ class LightBvhSampler final : public LightSampler {
         for (std::size_t i = 0; i < points.size(); ++i) {
             descents[i] = {to_local(points[i]), refine(u[i], points[i])};
         }
-        of_bvh().descend(bvh_, {descents.data(), points.size()});
+        of_bvh().descend(*bvh_, {descents.data(), points.size()});
         for (std::size_t i = 0; i < points.size(); ++i) selections[i] = result(descents[i]);
     }
 
@@ -103,17 +103,18 @@ class LightBvhSampler final : public LightSampler {
 
     static Selection result(const LightBvhDescent& descent) noexcept {
         if (!(descent.prob > 0.0)) return {};
-        return {descent.child & ~LightBvhNode::kLight, static_cast<float>(descent.prob), {}};
+        const auto prob = static_cast<float>(descent.prob);
+        return {descent.child & ~LightBvhNode::kLight, prob, prob, {}};
     }
 
     Frame frame_;
-    LightBvh<Node> bvh_;
+    std::shared_ptr<const LightBvh<Node>> bvh_;
 };
 
 }  // namespace
 
-std::unique_ptr<LightSampler> make_light_bvh_sampler(Span<const Light> lights,
-                                                     const LightBvhOptions& options) {
+std::unique_ptr<LightSampler> make_light_bvh_sampler(const LightBvhOptions& options,
+                                                     Span<const Light> lights) {
     const LightTable table = make_light_table(lights);
     if (options.importance == ClusterImportance::kMeans) {
         return std::make_unique<LightBvhSampler<MeansNode>>(table);

@@ -1,10 +1,10 @@
-#include <lightcull/samplers.h>
-
 #include <vector>
 
 #include "base/alias_table.h"
 #include "base/refine.h"
 #include "lights/light/light_record.h"
+#include "lights/samplers/make_samplers.h"
+#include "lights/samplers/passless_sampler.h"
 
 namespace lightcull {
 namespace {
@@ -19,32 +19,33 @@ AliasTable make_intensity_table(const LightTable& table) {
     return AliasTable(weights);
 }
 
-class PowerSampler final : public LightSampler {
+class PowerSampler final : public PasslessSampler<PowerSampler> {
   public:
-    explicit PowerSampler(const LightTable& table) : table_(make_intensity_table(table)) {}
+    explicit PowerSampler(const LightTable& table)
+        : table_(std::make_shared<const AliasTable>(make_intensity_table(table))) {}
 
     using LightSampler::select;
 
-    void begin_pass(std::uint64_t) override {}
-
     Selection select(const ShadingPoint& point, float u) const noexcept override {
-        if (table_.empty()) return {};
-        const std::uint32_t light = table_.sample(refine(u, point));
-        return {light, table_.prob(light), {}};
+        if (table_->empty()) return {};
+        const std::uint32_t light = table_->sample(refine(u, point));
+        const float prob = table_->prob(light);
+        return {light, prob, prob, {}};
     }
 
     float prob(const ShadingPoint&, const Receipt&, std::uint32_t light) const noexcept override {
-        return table_.empty() ? 0.0f : table_.prob(light);
+        return table_->empty() ? 0.0f : table_->prob(light);
     }
+    bool needs_receipt() const noexcept override { return false; }
 
     SelectionCounts count(const ShadingPoint&) const noexcept override {
-        return {0, 0, table_.size()};
+        return {0, 0, table_->size()};
     }
 
-    std::size_t memory_size() const noexcept override { return table_.memory_size(); }
+    std::size_t memory_size() const noexcept override { return table_->memory_size(); }
 
   private:
-    AliasTable table_;
+    std::shared_ptr<const AliasTable> table_;
 };
 
 }  // namespace

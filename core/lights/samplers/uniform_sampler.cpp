@@ -1,46 +1,55 @@
-#include <lightcull/samplers.h>
-
 #include <algorithm>
 #include <vector>
 
 #include "base/memory_size.h"
 #include "base/refine.h"
 #include "lights/light/light_record.h"
+#include "lights/samplers/make_samplers.h"
+#include "lights/samplers/passless_sampler.h"
 
 namespace lightcull {
 namespace {
 
-class UniformSampler final : public LightSampler {
-  public:
-    explicit UniformSampler(const LightTable& table)
-        : lit_(table.lit), is_lit_(table.records.size()) {
-        for (const std::uint32_t i : lit_) is_lit_[i] = true;
+struct LitLights {
+    std::vector<std::uint32_t> lit;
+    std::vector<bool> is_lit;
+
+    explicit LitLights(LightTable table) : lit(std::move(table.lit)), is_lit(table.records.size()) {
+        for (const std::uint32_t i : lit) is_lit[i] = true;
     }
+};
+
+class UniformSampler final : public PasslessSampler<UniformSampler> {
+  public:
+    explicit UniformSampler(LightTable table)
+        : lights_(std::make_shared<const LitLights>(std::move(table))) {}
 
     using LightSampler::select;
 
-    void begin_pass(std::uint64_t) override {}
-
     Selection select(const ShadingPoint& point, float u) const noexcept override {
-        if (lit_.empty()) return {};
-        const double place = refine(u, point) * static_cast<double>(lit_.size());
-        const std::size_t i = std::min(static_cast<std::size_t>(place), lit_.size() - 1);
-        return {lit_[i], 1.0f / static_cast<float>(lit_.size()), {}};
+        const std::vector<std::uint32_t>& lit = lights_->lit;
+        if (lit.empty()) return {};
+        const double place = refine(u, point) * static_cast<double>(lit.size());
+        const std::size_t i = std::min(static_cast<std::size_t>(place), lit.size() - 1);
+        const float prob = 1.0f / static_cast<float>(lit.size());
+        return {lit[i], prob, prob, {}};
     }
 
     float prob(const ShadingPoint&, const Receipt&, std::uint32_t light) const noexcept override {
-        return is_lit_[light] ? 1.0f / static_cast<float>(lit_.size()) : 0.0f;
+        return lights_->is_lit[light] ? 1.0f / static_cast<float>(lights_->lit.size()) : 0.0f;
     }
+    bool needs_receipt() const noexcept override { return false; }
 
     SelectionCounts count(const ShadingPoint&) const noexcept override {
-        return {0, 0, static_cast<std::uint32_t>(lit_.size())};
+        return {0, 0, static_cast<std::uint32_t>(lights_->lit.size())};
     }
 
-    std::size_t memory_size() const noexcept override { return size_of(lit_) + is_lit_.size() / 8; }
+    std::size_t memory_size() const noexcept override {
+        return size_of(lights_->lit) + lights_->is_lit.size() / 8;
+    }
 
   private:
-    std::vector<std::uint32_t> lit_;
-    std::vector<bool> is_lit_;
+    std::shared_ptr<const LitLights> lights_;
 };
 
 }  // namespace

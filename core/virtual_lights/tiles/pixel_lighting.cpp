@@ -2,6 +2,8 @@
 
 #include "base/random.h"
 
+#include <lightcull/sets.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -32,9 +32,9 @@ float calibrate_reach(const std::vector<VirtualLight>& lights, const VirtualLigh
     // Each pixel sees one of so many parts of the lights.
     range.expected_accepted *= static_cast<float>(options.interleave * options.interleave);
     const std::vector<ShadingPoint> points = camera_points(scene, settings, kPoints);
-    range.calibration_points = points;
     const bool constant = options.method == VirtualLightMethod::kClamped;
-    return calibrate_reach(ranged, range, constant ? RangeLaw::kConstant : RangeLaw::kRandom);
+    return calibrate_reach(ranged, range, points,
+                           constant ? RangeLaw::kConstant : RangeLaw::kRandom);
 }
 
 }  // namespace lightcull

@@ -97,6 +97,9 @@ class NaiveSampler final : public LightSampler {
         : inner_(std::move(inner)), rule_(rule) {}
 
     void begin_pass(std::uint64_t pass) override { inner_->begin_pass(pass); }
+    std::unique_ptr<const LightSelector> pass(std::uint64_t number) const override {
+        return inner_->pass(number);
+    }
     Selection select(const ShadingPoint& point, float u) const noexcept override {
         return inner_->select(point, u);
     }
@@ -110,10 +113,6 @@ class NaiveSampler final : public LightSampler {
         return importance / receipt.weight_sum;
     }
     std::uint32_t set_count() const noexcept override { return inner_->set_count(); }
-    SelectionCounts count(const ShadingPoint& point) const noexcept override {
-        return inner_->count(point);
-    }
-    std::size_t memory_size() const noexcept override { return inner_->memory_size(); }
 
   private:
     std::unique_ptr<LightSampler> inner_;

@@ -151,7 +151,7 @@ TEST_CASE("emitters and the environment are seen directly at max_depth 1") {
     for (const auto technique : {DirectLight::kLights, DirectLight::kBsdf, DirectLight::kMis}) {
         RenderSettings settings = square_image(4, 1);
         settings.direct_light = technique;
-        Renderer renderer(scene, settings, make_uniform_sampler(scene->lights()));
+        Renderer renderer(scene, settings, make_sampler(UniformOptions{}, scene->lights()));
         CHECK(luminance(renderer.image()[0]) == 0.0);
         renderer.render_pass();
         CHECK(luminance(renderer.image()[0]) == doctest::Approx(3.0));
@@ -175,7 +175,7 @@ TEST_CASE("in a furnace a white surface cannot be seen") {
         settings.rr_depth = settings.max_depth;
         scene->commit();
         const auto blocks =
-            render_blocks(scene, settings, make_uniform_sampler(scene->lights()), 500, 8);
+            render_blocks(scene, settings, make_sampler(UniformOptions{}, scene->lights()), 500, 8);
         for (const Estimate& block : blocks) {
             check_equals(block, 1.0);
         }

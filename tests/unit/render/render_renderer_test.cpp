@@ -66,11 +66,14 @@ class CancellingSampler final : public LightSampler {
         : inner_(std::move(inner)), armed_(armed), cancel_(cancel) {}
 
     void begin_pass(std::uint64_t pass) override { inner_->begin_pass(pass); }
+    std::unique_ptr<const LightSelector> pass(std::uint64_t number) const override {
+        return inner_->pass(number);
+    }
     Selection select(const ShadingPoint& point, float u) const noexcept override {
         return inner_->select(point, u);
     }
     void select(Span<const ShadingPoint> points, Span<const float> u,
-                Span<Selection> selections) const noexcept override {
+                Span<Selection> selections) const override {
         inner_->select(points, u, selections);
         if (armed_) cancel_ = true;
     }
@@ -79,10 +82,6 @@ class CancellingSampler final : public LightSampler {
         return inner_->prob(point, receipt, light);
     }
     std::uint32_t set_count() const noexcept override { return inner_->set_count(); }
-    SelectionCounts count(const ShadingPoint& point) const noexcept override {
-        return inner_->count(point);
-    }
-    std::size_t memory_size() const noexcept override { return inner_->memory_size(); }
 
   private:
     std::unique_ptr<LightSampler> inner_;
@@ -138,7 +137,7 @@ TEST_CASE("statistics count what was done") {
     scene->commit();
     RenderSettings settings = square_image(100, 2);
     settings.direct_light = DirectLight::kLights;
-    Renderer renderer(scene, settings, make_uniform_sampler(scene->lights()));
+    Renderer renderer(scene, settings, make_sampler(UniformOptions{}, scene->lights()));
     CHECK(renderer.stats().passes == 0);
     renderer.render_pass();
     renderer.render_pass();

@@ -189,7 +189,7 @@ TEST_CASE("textures, materials, lights, environments and cameras are checked") {
 TEST_CASE("a committed scene takes no more, and one that is not cannot be rendered") {
     auto scene = std::make_shared<Scene>();
     const RenderSettings settings;
-    CHECK(error_of([&] { Renderer(scene, settings, make_uniform_sampler({})); }) ==
+    CHECK(error_of([&] { Renderer(scene, settings, make_sampler(UniformOptions{}, {})); }) ==
           "scene: commit() must come before rendering");
     CHECK(error_of([&] { camera_points(*scene, settings, 9); }) ==
           "scene: commit() must come before rendering");
@@ -203,16 +203,16 @@ TEST_CASE("a committed scene takes no more, and one that is not cannot be render
     CHECK(error_of([&] { scene->add_point_light({}, {}); }) == refused);
     CHECK(error_of([&] { scene->add_spot_light({}, {1, 0, 0}, {}, 0.1f, 0.2f); }) == refused);
     CHECK(error_of([&] { scene->commit(); }) == refused);
-    CHECK(error_of([&] { Renderer(nullptr, settings, make_uniform_sampler({})); }) ==
+    CHECK(error_of([&] { Renderer(nullptr, settings, make_sampler(UniformOptions{}, {})); }) ==
           "renderer: there is no scene");
     CHECK(error_of([&] { Renderer(scene, settings, nullptr); }) == "renderer: there is no sampler");
     RenderSettings wrong;
     wrong.height = 0;
-    CHECK(error_of([&] { Renderer(scene, wrong, make_uniform_sampler({})); }) ==
+    CHECK(error_of([&] { Renderer(scene, wrong, make_sampler(UniformOptions{}, {})); }) ==
           "settings: height is not in [1, 65535]");
     wrong = {};
     wrong.max_depth = 0;
-    CHECK(error_of([&] { Renderer(scene, wrong, make_uniform_sampler({})); }) ==
+    CHECK(error_of([&] { Renderer(scene, wrong, make_sampler(UniformOptions{}, {})); }) ==
           "settings: max_depth is 0: no path has no edge");
 }
 

@@ -150,7 +150,7 @@ TEST_CASE("a textured lamp lights by light sampling as by BSDF sampling") {
         settings.direct_light = technique;
         ++settings.seed;
         images.push_back(
-            render_blocks(scene, settings, make_power_sampler(scene->lights()), 500, 8));
+            render_blocks(scene, settings, make_sampler(PowerOptions{}, scene->lights()), 500, 8));
         CHECK(std::sqrt(images.back().back().variance) < 0.01 * images.back().back().mean);
     }
     CHECK(statistics::worst_p(images[0], images[1]) > statistics::least_p());

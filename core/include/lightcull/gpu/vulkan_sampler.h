@@ -27,7 +27,8 @@ struct VulkanOptions {
 /// Takes a sampler, `culled` or `paper` with a list, as make_sampler() gives it, to a device, which
 /// from then on chooses for batches as that sampler would: by the same records, the same random
 /// ranges and the same arithmetic, so that all but ties to the last bit fall alike. The other calls
-/// are answered by the sampler itself: select() of one point is not for GPUs. Batches from several
+/// are answered by the sampler itself: select() of one point is not for GPUs, and a device holds
+/// the ranges of one pass, so that a pass() is one of the processor's. Batches from several
 /// threads are done one after the other.
 ///
 /// Throws Error that names what is at fault: another sampler, no Vulkan, no device of

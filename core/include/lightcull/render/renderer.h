@@ -48,7 +48,7 @@ struct RenderState {
 
 /// What a renderer keeps in memory, bytes; the scene is not in it.
 struct RendererMemory {
-    std::size_t sampler = 0;  ///< its trees, with all sets of ranges
+    std::size_t sampler = 0;  ///< its trees, with all sets of ranges; 0 if it has no SamplerInfo
     std::size_t film = 0;     ///< the sums of the passes, and the pass under way
     std::size_t paths = 0;    ///< those that are traced at a time, once a pass has been rendered
 };

@@ -67,7 +67,7 @@ struct VirtualLightOptions {
     std::uint32_t light_paths = 65536;
     /// Of kCulled and kClamped. expected_accepted: virtual lights per pixel in the first pass, if
     /// no error_bound ([TH16] Eq. 6, appendix A) is given.
-    RangeOptions range{{}, 32.0f, 1.0f, {}};
+    RangeOptions range = RangeOptions::with_expected_accepted(32.0f);
     /// Pixels of a square of that many a side share the lights among them: 1, 2, 4 or 8.
     std::uint32_t interleave = 8;
     VirtualShadows shadows = VirtualShadows::kRays;

@@ -1,5 +1,6 @@
 #include <doctest/doctest.h>
 #include <lightcull/instruction_set.h>
+#include <lightcull/sampler_info.h>
 #include <lightcull/samplers.h>
 #include <tbb/task_arena.h>
 
@@ -378,7 +379,7 @@ TEST_CASE_TEMPLATE(
     BoundsNode, MeansNode) {
     for (const std::uint32_t count : {1u, 2u, 7u, 8u, 9u, 1000u}) {
         const std::vector<Light> lights = mixed_lights(count, 6 + count, 6.0f);
-        const auto sampler = make_light_bvh_sampler(lights, kOptions<Node>);
+        const auto sampler = make_sampler(kOptions<Node>, lights);
         const LightTable table = make_light_table(lights);
         const LightBvh<Node> bvh = build_light_bvh<Node>(table);
         for (const ShadingPoint& point : mixed_points(100, 7, 1)) {
@@ -425,7 +426,7 @@ TEST_CASE_TEMPLATE("light bvh: every light is selected as often as its probabili
     const std::vector<Light> lights = mixed_lights(kLights, 11, 4.0f);
     // One false alarm in 10,000 runs with other seeds.
     const double limit = sidak_z(1e-4, kPoints * (kLights + 1));
-    const auto sampler = make_light_bvh_sampler(lights, kOptions<Node>);
+    const auto sampler = make_sampler(kOptions<Node>, lights);
     for (const ShadingPoint& point : mixed_points(kPoints, 12, 1)) {
         std::vector<int> chosen(kLights + 1);  // the last: none
         std::vector<double> prob(kLights + 1);
@@ -456,7 +457,7 @@ TEST_CASE_TEMPLATE(
     // Powers so far apart that the means of clusters are those of their brightest light.
     std::vector<Light> lights = mixed_lights(2000, 14, 30.0f);
     for (std::size_t i = 0; i < lights.size(); i += 50) lights[i].intensity = 0.0f;
-    const auto sampler = make_light_bvh_sampler(lights, kOptions<Node>);
+    const auto sampler = make_sampler(kOptions<Node>, lights);
     const LightTable table = make_light_table(lights);
     RandomStream random(15);
     std::vector<ShadingPoint> points = mixed_points(300, 16, 1);
@@ -512,7 +513,7 @@ TEST_CASE_TEMPLATE(
         lights.push_back(triangle_light(a, a + float3{0, 0, 0.01f}, a + float3{0.01f, 0, 0}, 1e6f));
     }
     lights.push_back(triangle_light({0, 0, 0}, {0.01f, 0, 0}, {0, 0, 0.01f}, 1e-6f));
-    const auto sampler = make_light_bvh_sampler(lights, kOptions<Node>);
+    const auto sampler = make_sampler(kOptions<Node>, lights);
     CHECK(lights[0].axis.y == doctest::Approx(1.0f));
     for (const float height : {0.2f, 1.0f, 10.0f, 1000.0f}) {
         CHECK(sampler->prob({{0, -height, 0}, {0, 1, 0}, 0}, {}, 63) > 0.0f);
@@ -525,7 +526,7 @@ TEST_CASE("light bvh: by means, lights of one node are chosen in proportion to i
                                     point_light({0, 3, 0}, 1.0f),
                                     spot_light({0, 4, 1}, {0, -1, 0}, 1.0f, 0.4f, 0.6f)};
     const LightTable table = make_light_table(lights);
-    const auto sampler = make_light_bvh_sampler(lights, kOptions<MeansNode>);
+    const auto sampler = make_sampler(kOptions<MeansNode>, lights);
     // The second point is close to the plane of the triangle, and to the triangle.
     for (const float3 x : {float3{0.3f, 2, 1}, float3{0.3f, 0.01f, 1.5f}, float3{2, 0.5f, 0}}) {
         float sum = 0.0f, shares[3];
@@ -595,7 +596,7 @@ TEST_CASE_TEMPLATE(
     BoundsNode, MeansNode) {
     const std::vector<Light> lights{point_light({0, 0, 0}, 1e30f), point_light({1e6f, 0, 0}, 1e-6f),
                                     triangle_light({5, 0, 0}, {6, 0, 0}, {5, 1, 0}, 1e3f, true)};
-    const auto sampler = make_light_bvh_sampler(lights, kOptions<Node>);
+    const auto sampler = make_sampler(kOptions<Node>, lights);
     for (const float3 x : {float3{0, 0, 0}, float3{1e-20f, 0, 0}, float3{1e6f, 0, 0},
                            float3{0, 1e12f, 0}, float3{5.3f, 0.3f, 0}}) {
         double sum = 0.0;
@@ -637,16 +638,16 @@ TEST_CASE_TEMPLATE("light bvh: all instruction sets choose alike, to the bit", N
 
 TEST_CASE_TEMPLATE("light bvh: counts are those of one way down", Node, BoundsNode, MeansNode) {
     const auto few =
-        make_light_bvh_sampler(std::vector<Light>(5, point_light({0, 1, 0}, 1.0f)), kOptions<Node>);
-    const SelectionCounts counts = few->count({{0, 0, 0}, {0, 1, 0}, 0});
+        make_sampler(kOptions<Node>, std::vector<Light>(5, point_light({0, 1, 0}, 1.0f)));
+    const SelectionCounts counts = sampler_info(*few)->count({{0, 0, 0}, {0, 1, 0}, 0});
     CHECK(counts.nodes_visited == 1);
     CHECK(counts.lights_tested == 5);
     CHECK(counts.accepted == 5);
-    CHECK(few->count({{0, 0, 0}, {0, -1, 0}, 0}).accepted == 0);
+    CHECK(sampler_info(*few)->count({{0, 0, 0}, {0, -1, 0}, 0}).accepted == 0);
 
-    const auto many = make_light_bvh_sampler(lanterns(500, 22), kOptions<Node>);
+    const auto many = make_sampler(kOptions<Node>, lanterns(500, 22));
     for (const ShadingPoint& point : mixed_points(100, 23, 1)) {
-        const SelectionCounts c = many->count(point);
+        const SelectionCounts c = sampler_info(*many)->count(point);
         CHECK(c.nodes_visited <= 10);
         CHECK(c.lights_tested <= 8 * c.nodes_visited);
         CHECK(c.accepted <= c.lights_tested);

@@ -1,5 +1,6 @@
 #include <doctest/doctest.h>
 #include <lightcull/error.h>
+#include <lightcull/sampler_info.h>
 #include <lightcull/samplers.h>
 
 #include <algorithm>
@@ -332,7 +333,8 @@ TEST_CASE("auto accepts as many directed lights as it was told") {
     double sum = 0.0;
     for (std::uint64_t pass = 0; pass < 30; ++pass) {
         sampler->begin_pass(pass);
-        for (const ShadingPoint& point : points) sum += sampler->count(point).accepted;
+        for (const ShadingPoint& point : points)
+            sum += sampler_info(*sampler)->count(point).accepted;
     }
     CHECK(sum / 30.0 / 200.0 == doctest::Approx(20.0).scale(0.0).epsilon(0.05));
 }

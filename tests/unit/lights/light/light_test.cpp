@@ -103,7 +103,7 @@ TEST_CASE("bad lights are named by number and field") {
         lights[7] = triangle_light({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, 1.0f);
         spoil(lights[7]);
         try {
-            make_uniform_sampler(lights);
+            make_sampler(UniformOptions{}, lights);
         } catch (const Error& error) {
             return std::string(error.what());
         }

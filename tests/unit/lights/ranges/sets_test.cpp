@@ -1,8 +1,9 @@
 #include <doctest/doctest.h>
-#include <lightcull/light_sampler.h>
+#include <lightcull/sets.h>
 
 #include <algorithm>
 #include <set>
+#include <utility>
 #include <vector>
 
 #include "base/alias_table.h"
@@ -18,45 +19,107 @@ using namespace lightcull::testing;
 TEST_CASE("every rotation occurs once in the pattern, and neighbours are far apart") {
     for (std::uint32_t log4 = 0; log4 <= 6; ++log4) {
         const std::uint32_t sets = 1u << (2 * log4), side = 1u << log4;
-        std::set<std::uint32_t> ranks;
+        const SetPattern pattern(sets);
+        CHECK(pattern.rotations() == std::min(sets, 256u));
+        CHECK(pattern.rotations() * pattern.draws() == sets);
+        std::set<std::pair<std::uint32_t, std::uint32_t>> places;
         for (std::uint32_t set = 0; set < sets; ++set) {
-            const std::uint32_t rank = rank_of_set(set, log4);
-            ranks.insert(rank);
-            CHECK(set_of_rank(rank, log4) == set);
+            const std::uint32_t rank = pattern.rank_of(set), draw = pattern.draw_of(set);
+            CHECK(rank < pattern.rotations());
+            CHECK(draw < pattern.draws());
+            places.insert({rank, draw});
+            CHECK(pattern.set_of(rank, draw) == set);
         }
-        CHECK(ranks.size() == sets);
-        CHECK(*ranks.rbegin() == sets - 1);
+        CHECK(places.size() == sets);
+        const auto turns = static_cast<int>(pattern.rotations());
         for (std::uint32_t x = 0; log4 > 0 && x + 1 < side; ++x) {
-            const auto a = static_cast<int>(rank_of_set(set_of_pixel(x, 1, sets), log4));
-            const auto b = static_cast<int>(rank_of_set(set_of_pixel(x + 1, 1, sets), log4));
+            const auto a = static_cast<int>(pattern.rank_of(set_of_pixel(x, 1, sets)));
+            const auto b = static_cast<int>(pattern.rank_of(set_of_pixel(x + 1, 1, sets)));
             const int apart = std::abs(a - b);
-            CHECK(std::min(apart, static_cast<int>(sets) - apart) * 4 >= static_cast<int>(sets));
+            CHECK(std::min(apart, turns - apart) * 4 >= turns);
         }
     }
 }
 
 TEST_CASE("packets go round sixteen evenly spread rotations") {
-    for (const std::uint32_t sets : {1u, 4u, 16u, 64u, 256u}) {
-        const std::uint32_t log4 = log4_of(sets), used = std::min(sets, 16u);
+    for (const std::uint32_t sets : {1u, 4u, 16u, 64u, 256u, 1024u, 4096u}) {
+        const std::uint32_t used = std::min(sets, 16u);
+        const SetPattern pattern(sets);
         std::set<std::uint32_t> ranks;
         for (std::uint32_t packet = 0; packet < 64; ++packet) {
-            ranks.insert(rank_of_set(set_of_packet(packet, sets), log4));
+            ranks.insert(pattern.rank_of(set_of_packet(packet, sets)));
         }
         CHECK(ranks.size() == used);
-        for (const std::uint32_t rank : ranks) CHECK(rank % (sets / used) == 0);
+        for (const std::uint32_t rank : ranks) CHECK(rank % (pattern.rotations() / used) == 0);
     }
+}
+
+TEST_CASE("the samples of a pixel take every set once, and all draws before a second rotation") {
+    for (const std::uint32_t sets : {1u, 4u, 16u, 64u, 256u, 1024u, 4096u}) {
+        const SetPattern pattern(sets);
+        for (const std::uint32_t bounce : {0u, 1u, 5u}) {
+            std::set<std::uint32_t> taken, draws;
+            for (std::uint32_t sample = 0; sample < sets; ++sample) {
+                const std::uint32_t set = set_of_sample(37, 91, sample, bounce, sets);
+                REQUIRE(set < sets);
+                taken.insert(set);
+                draws.insert(pattern.draw_of(set));
+                if (sample + 1 == pattern.draws()) CHECK(draws.size() == pattern.draws());
+            }
+            CHECK(taken.size() == sets);
+        }
+    }
+}
+
+TEST_CASE("neighbours take other sets at the same sample, and no pixel shares all of another's") {
+    for (const std::uint32_t sets : {64u, 256u, 4096u}) {
+        const SetPattern pattern(sets);
+        const std::uint32_t edge = 1u << pattern.log2_edge();
+        int alike = 0;
+        for (std::uint32_t sample = 0; sample < 64; ++sample) {
+            const std::uint32_t here = set_of_sample(3, 5, sample, 0, sets);
+            CHECK(set_of_sample(4, 5, sample, 0, sets) != here);
+            CHECK(set_of_sample(3, 6, sample, 0, sets) != here);
+            alike += set_of_sample(3 + edge, 5, sample, 0, sets) == here ? 1 : 0;
+        }
+        CHECK(alike < 64);
+    }
+}
+
+TEST_CASE("draws of one pass are independent of one another") {
+    // Correlation of xi of the same lights in two draws, and of lights that turn together: the
+    // former is 0 but for chance, the latter 1 but for what wraps around.
+    constexpr std::uint32_t kSets = 1024, kLights = 20000;
+    RandomRanges ranges(1.0f, kSets);
+    ranges.begin_pass(3);
+    const SetPattern pattern(kSets);
+    const auto correlation = [&](std::uint32_t a, std::uint32_t b) {
+        double sum = 0.0;
+        for (std::uint32_t light = 0; light < kLights; ++light) {
+            sum += (static_cast<double>(ranges.xi(light, a)) - 0.5) *
+                   (static_cast<double>(ranges.xi(light, b)) - 0.5);
+        }
+        return sum * 12.0 / kLights;
+    };
+    for (std::uint32_t draw = 1; draw < pattern.draws(); ++draw) {
+        // The product has a standard deviation of 1 / sqrt(kLights): false alarm 6e-7 each.
+        CHECK(std::abs(correlation(pattern.set_of(0, 0), pattern.set_of(0, draw))) <
+              5.0 / std::sqrt(static_cast<double>(kLights)));
+    }
+    CHECK(correlation(pattern.set_of(0, 0), pattern.set_of(1, 0)) > 0.9);
 }
 
 TEST_CASE("xi is uniform, above 0, and rotated from set to set") {
     constexpr std::uint32_t kSets = 16, kLights = 100000;
+    const SetPattern pattern(kSets);
     RandomRanges ranges(1.0f, kSets);
     ranges.begin_pass(5);
     std::vector<int> bins(64);
     for (std::uint32_t light = 0; light < kLights; ++light) {
-        const float first = ranges.xi(light, set_of_rank(0, 2));
+        const float first = ranges.xi(light, pattern.set_of(0, 0));
         ++bins[std::min(static_cast<std::size_t>(first * 64.0f), std::size_t{63})];
         for (std::uint32_t rank = 0; rank < kSets; ++rank) {
-            const float xi = ranges.xi(light, set_of_rank(rank, 2));
+            const float xi = ranges.xi(light, pattern.set_of(rank, 0));
             REQUIRE(xi > 0.0f);
             REQUIRE(xi <= 1.0f);
             float expected = first + static_cast<float>(rank) / kSets;

@@ -48,14 +48,16 @@ using MakeSampler = std::function<std::unique_ptr<LightSampler>(Span<const Light
 /// Every function that makes a sampler, by each of its names.
 std::vector<MakeSampler> all_makers() {
     std::vector<MakeSampler> makers{
-        [](auto lights) { return make_uniform_sampler(lights); },
-        [](auto lights) { return make_power_sampler(lights); },
-        [](auto lights) { return make_exhaustive_sampler(lights); },
-        [](auto lights) { return make_light_bvh_sampler(lights); },
-        [](auto lights) { return make_light_bvh_sampler(lights, {ClusterImportance::kMeans}); },
-        [](auto lights) { return make_culled_sampler(lights); },
-        [](auto lights) { return make_paper_sampler(lights); },
-        [](auto lights) { return make_clamped_sampler(lights); },
+        [](auto lights) { return make_sampler(UniformOptions{}, lights); },
+        [](auto lights) { return make_sampler(PowerOptions{}, lights); },
+        [](auto lights) { return make_sampler(ExhaustiveOptions{}, lights); },
+        [](auto lights) { return make_sampler(LightBvhOptions{}, lights); },
+        [](auto lights) {
+            return make_sampler(LightBvhOptions{ClusterImportance::kMeans}, lights);
+        },
+        [](auto lights) { return make_sampler(CulledOptions{}, lights); },
+        [](auto lights) { return make_sampler(PaperOptions{}, lights); },
+        [](auto lights) { return make_sampler(ClampedOptions{}, lights); },
     };
     for (const char* name : {"uniform", "power", "exhaustive", "light_bvh", "culled", "paper",
                              "clamped", "light_bvh:importance=means", "culled:group=1"}) {
@@ -65,14 +67,16 @@ std::vector<MakeSampler> all_makers() {
 }
 
 /// The error of ranges like that, from each sampler that has them.
-std::vector<std::string> errors_of_range(const RangeOptions& range) {
+std::vector<std::string> errors_of_range(const RangeOptions& range,
+                                         const SamplerContext& context = {}) {
     const std::vector<Light> lights = mixed_lights(5, 1);
     CulledOptions culled;
     PaperOptions paper;
-    culled.range = paper.range = range;
-    return {error_of([&] { make_culled_sampler(lights, culled); }),
-            error_of([&] { make_paper_sampler(lights, paper); }),
-            error_of([&] { make_clamped_sampler(lights, range); })};
+    ClampedOptions clamped;
+    culled.range = paper.range = clamped.range = range;
+    return {error_of([&] { make_sampler(culled, lights, context); }),
+            error_of([&] { make_sampler(paper, lights, context); }),
+            error_of([&] { make_sampler(clamped, lights, context); })};
 }
 
 }  // namespace
@@ -126,7 +130,7 @@ TEST_CASE("bad input: lights made of nonsense are refused by samplers, and do no
     };
     for (const Light& light : lights) {
         CAPTURE(&light - lights);
-        CHECK(says(error_of([&] { make_culled_sampler({&light, 1}); }), "light 0: "));
+        CHECK(says(error_of([&] { make_sampler(CulledOptions{}, {&light, 1}); }), "light 0: "));
     }
 }
 
@@ -153,9 +157,9 @@ TEST_CASE("bad input: ranges that make no sense are named") {
     for (const auto& spoil : spoils) {
         std::vector<ShadingPoint> points = mixed_points(4, 2, 1);
         spoil(points[2]);
-        RangeOptions range;
-        range.calibration_points = points;
-        for (const auto& e : errors_of_range(range)) {
+        SamplerContext context;
+        context.calibration_points = points;
+        for (const auto& e : errors_of_range({}, context)) {
             CHECK(says(e, "calibration point 2 is not finite"));
         }
     }
@@ -168,18 +172,18 @@ TEST_CASE("bad input: options of samplers that make no sense are named") {
         PaperOptions paper;
         culled.set_count = paper.set_count = sets;
         const std::string wanted = "sets is " + std::to_string(sets) + ", wanted a power of 4";
-        CHECK(says(error_of([&] { make_culled_sampler(lights, culled); }), wanted));
-        CHECK(says(error_of([&] { make_paper_sampler(lights, paper); }), wanted));
+        CHECK(says(error_of([&] { make_sampler(culled, lights); }), wanted));
+        CHECK(says(error_of([&] { make_sampler(paper, lights); }), wanted));
     }
     CulledOptions culled;
     culled.group_size = 0;
-    CHECK(says(error_of([&] { make_culled_sampler(lights, culled); }), "group is 0, wanted 1"));
+    CHECK(says(error_of([&] { make_sampler(culled, lights); }), "group is 0, wanted 1"));
     PaperOptions paper;
     paper.list_size = 65;
-    CHECK(says(error_of([&] { make_paper_sampler(lights, paper); }), "list is 65, wanted 0 to 64"));
+    CHECK(says(error_of([&] { make_sampler(paper, lights); }), "list is 65, wanted 0 to 64"));
     culled = {};
     culled.group_size = 0xffffffffu;  // as many as there are
-    CHECK(make_culled_sampler(lights, culled) != nullptr);
+    CHECK(make_sampler(culled, lights) != nullptr);
 }
 
 TEST_CASE("bad input: descriptions that make no sense are named") {
@@ -235,9 +239,9 @@ TEST_CASE("bad input: settings of renders that make no sense are named") {
     const auto error = [&](const std::function<void(RenderSettings&)>& spoil) {
         RenderSettings settings;
         spoil(settings);
-        const auto sampler = make_uniform_sampler({});
+        const auto sampler = make_sampler(UniformOptions{}, {});
         std::string message =
-            error_of([&] { Renderer(scene, settings, make_uniform_sampler({})); });
+            error_of([&] { Renderer(scene, settings, make_sampler(UniformOptions{}, {})); });
         CHECK(error_of([&] { camera_points(*scene, settings, 1); }) == message);
         CHECK(error_of([&] { path_points(*scene, settings, *sampler, 1); }) == message);
         CHECK(error_of([&] { make_scene_sampler("culled", *scene, settings); }) == message);
@@ -253,7 +257,7 @@ TEST_CASE("bad input: settings of renders that make no sense are named") {
         CHECK(error([&](auto& s) { s.direct_light = static_cast<DirectLight>(unknown); }) ==
               "settings: direct_light is unknown");
     }
-    const auto sampler = make_uniform_sampler({});
+    const auto sampler = make_sampler(UniformOptions{}, {});
     for (const std::uint32_t depth : {0u, 65536u}) {
         CHECK(error_of([&] { path_points(*scene, {}, *sampler, depth); }) ==
               "path_points: depth is not in [1, 65535]");
@@ -266,7 +270,8 @@ TEST_CASE("bad input: settings of renders that make no sense are named") {
 TEST_CASE("bad input: shadow rays of other points or lights are refused") {
     Scene scene;
     const ShadingPoint points[2] = {};
-    const Selection good[] = {{0, 0.0f, {}}, {9, 0.0f, {}}}, bad[] = {{}, {1, 0.5f, {}}};
+    const Selection good[] = {{0, 0.0f, 0.0f, {}}, {9, 0.0f, 0.0f, {}}},
+                    bad[] = {{}, {1, 0.5f, 0.5f, {}}};
     CHECK(error_of([&] { ShadowRays(scene, points, good); }) ==
           "scene: commit() must come before rendering");
     scene.add_point_light({0, 1, 0}, {1, 1, 1});

@@ -1,4 +1,5 @@
 #include <doctest/doctest.h>
+#include <lightcull/sampler_info.h>
 #include <lightcull/samplers.h>
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
@@ -61,7 +62,7 @@ struct Answers {
             answers.single.push_back(one);
             const auto other = static_cast<std::uint32_t>(hash(i, 6) % light_count);
             answers.prob.push_back(sampler.prob(points[i], one.receipt, other));
-            answers.accepted.push_back(sampler.count(points[i]).accepted);
+            answers.accepted.push_back(sampler_info(sampler)->count(points[i]).accepted);
         }
         return answers;
     }

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+
+namespace lightcull {
+
+/// Which of a pass's sets of random ranges a point uses. Points that share a set share their luck:
+/// where neighbours do, the error is banded ([TH16] section 6.1).
+///
+/// A pass of up to 256 sets is one draw of a number for each light, and its sets are rotations of
+/// that draw, spread evenly. A pass of more is several draws of 256 rotations each, independent of
+/// one another: it is as good as that many passes.
+///
+/// | host                                     | sets                     | set of a point    |
+/// |------------------------------------------|--------------------------|-------------------|
+/// | a pass for each sample of the image      | 16 to 256                | set_of_pixel(), later
+/// bounces set_of_packet() | | one pass for all samples, or one a tile  | as many as there may be
+/// | set_of_sample()   |
+
+/// The set for camera points of pixel (x, y): its place in a square pattern of `set_count` pixels,
+/// which neighbours never share. set_count is a power of 4. For hosts that begin a pass for each
+/// sample: within one pass it gives a pixel the same set again and again.
+std::uint32_t set_of_pixel(std::uint32_t x, std::uint32_t y, std::uint32_t set_count) noexcept;
+
+/// Points that lie together and share a set at later bounces: sort all points of a bounce along a
+/// curve in space, and cut them into packets of this many.
+inline constexpr std::uint32_t kPointsPerPacket = 16;
+
+/// The set for the points of packet `packet` of later bounces. It takes no more than 16 of the
+/// sets, so that a bounce touches little memory: for hosts that begin a pass for each sample.
+std::uint32_t set_of_packet(std::uint32_t packet, std::uint32_t set_count) noexcept;
+
+/// The set for a sample of pixel (x, y) at a vertex of its path: bounce 0 is what the camera sees.
+/// The samples of a pixel take all sets in turn, those of its neighbours others at the same time.
+/// For hosts that select from one pass for many samples; set_count is a power of 4.
+std::uint32_t set_of_sample(std::uint32_t x, std::uint32_t y, std::uint32_t sample,
+                            std::uint32_t bounce, std::uint32_t set_count) noexcept;
+
+}  // namespace lightcull

@@ -1,0 +1,54 @@
+#include <lightcull/sets.h>
+
+#include <algorithm>
+
+#include "base/random.h"
+#include "lights/ranges/pattern.h"
+
+namespace lightcull {
+namespace {
+
+/// Digits to the base of 2 in reverse order: the numbers below 2^digits, any first few of them
+/// spread evenly.
+std::uint32_t reverse_bits(std::uint32_t number, std::uint32_t digits) noexcept {
+    std::uint32_t reversed = 0;
+    for (std::uint32_t bit = 0; bit < digits; ++bit) {
+        reversed |= ((number >> bit) & 1u) << (digits - 1 - bit);
+    }
+    return reversed;
+}
+
+}  // namespace
+
+std::uint32_t set_of_pixel(std::uint32_t x, std::uint32_t y, std::uint32_t set_count) noexcept {
+    return SetPattern(set_count).set_at(x, y);
+}
+
+std::uint32_t set_of_packet(std::uint32_t packet, std::uint32_t set_count) noexcept {
+    // Few sets, but spread over all rotations.
+    constexpr std::uint32_t kSetsOfBounces = 16;
+    const SetPattern pattern(set_count);
+    const std::uint32_t used = std::min(pattern.rotations(), kSetsOfBounces);
+    const SetPattern few(used);
+    const std::uint32_t rank_among_used = few.rank_of(packet % used);
+    return pattern.set_of(rank_among_used * (pattern.rotations() / used), 0);
+}
+
+std::uint32_t set_of_sample(std::uint32_t x, std::uint32_t y, std::uint32_t sample,
+                            std::uint32_t bounce, std::uint32_t set_count) noexcept {
+    const SetPattern pattern(set_count);
+    // What the camera sees is dithered within a square of pixels; later on neighbours are none.
+    const std::uint32_t edge = bounce == 0 ? pattern.log2_edge() : 0;
+    const std::uint64_t place =
+        hash((std::uint64_t{y >> edge} << 32) | (x >> edge), std::uint64_t{bounce});
+    const auto first_draw = static_cast<std::uint32_t>(place);
+    const auto first_rank = static_cast<std::uint32_t>(place >> 32);
+    // Draws first: numbers of one draw are dependent. Then rotations, the farthest first.
+    const std::uint32_t draw = (sample + first_draw) & (pattern.draws() - 1);
+    const std::uint32_t turn = reverse_bits(sample / pattern.draws(), 2 * pattern.log2_edge());
+    const std::uint32_t dither = bounce == 0 ? pattern.rank_at(x, y) : 0;
+    const std::uint32_t rank = (first_rank + dither + turn) & (pattern.rotations() - 1);
+    return pattern.set_of(rank, draw);
+}
+
+}  // namespace lightcull
