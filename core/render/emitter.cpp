@@ -1,7 +1,7 @@
 #include "render/emitter.h"
 
 #include "render/ray.h"
-#include "render/scene_impl.h"
+#include "render/scene_data.h"
 #include "render/texture.h"
 #include "render/warp.h"
 
@@ -13,7 +13,7 @@ namespace lightcull {
 namespace {
 
 struct Sampler {
-    const Scene::Impl& scene;
+    const SceneData& scene;
     const V3f& from;
     V2f u;
 
@@ -69,7 +69,7 @@ struct Sampler {
 
 }  // namespace
 
-EmitterSample sample_emitter(const Scene::Impl& scene, const Emitter& emitter, const V3f& from,
+EmitterSample sample_emitter(const SceneData& scene, const Emitter& emitter, const V3f& from,
                              const V2f& u) noexcept {
     // Not std::visit, which may throw.
     const Sampler sample{scene, from, u};
@@ -95,7 +95,7 @@ float triangle_pdf(const TriangleEmitter& emitter, const V3f& to_place) noexcept
     return std::isfinite(pdf) ? pdf : 0.0f;
 }
 
-V3f emitted(const Scene::Impl& scene, const TriangleEmitter& emitter, float u, float v,
+V3f emitted(const SceneData& scene, const TriangleEmitter& emitter, float u, float v,
             const V3f& direction) noexcept {
     if (!emitter.two_sided && emitter.edge1.cross(emitter.edge2).dot(direction) <= 0.0f) {
         return V3f(0.0f);

@@ -31,7 +31,7 @@ struct SpotEmitter {
     float cos_inner, cos_outer;
 };
 
-/// One of Scene::Impl::virtual_lights, which are larger than other emitters.
+/// One of SceneData::virtual_lights, which are larger than other emitters.
 struct VirtualEmitter {
     std::uint32_t index;
 };
@@ -48,7 +48,7 @@ struct EmitterSample {
 };
 
 /// Chooses a place on the emitter, uniform by area, and looks at it from a point.
-EmitterSample sample_emitter(const Scene::Impl& scene, const Emitter& emitter, const V3f& from,
+EmitterSample sample_emitter(const SceneData& scene, const Emitter& emitter, const V3f& from,
                              const V2f& u) noexcept;
 
 /// The part of its intensity that a spot emits at `cosine` from its direction.
@@ -59,7 +59,7 @@ float spot_falloff(const SpotEmitter& emitter, float cosine) noexcept;
 float triangle_pdf(const TriangleEmitter& emitter, const V3f& to_place) noexcept;
 
 /// What the triangle emits at (u, v) into `direction`, which leaves it.
-V3f emitted(const Scene::Impl& scene, const TriangleEmitter& emitter, float u, float v,
+V3f emitted(const SceneData& scene, const TriangleEmitter& emitter, float u, float v,
             const V3f& direction) noexcept;
 
 }  // namespace lightcull

@@ -1,6 +1,6 @@
 #include "base/random.h"
 #include "render/camera.h"
-#include "render/scene_impl.h"
+#include "render/scene_data.h"
 #include "render/settings.h"
 #include "render/tiles.h"
 #include "render/wavefront.h"
@@ -51,9 +51,9 @@ std::vector<ShadingPoint> path_points(const Scene& scene, const RenderSettings& 
     const CameraRays camera(scene.camera(), walk.width, walk.height);
     std::vector<V3f> pixels(std::size_t{walk.width} * walk.height);
     constexpr std::uint64_t kFirstPass = 0;
-    const Pass pass{scene.impl(), walk,         PassRays(camera, walk, kFirstPass),
-                    sampler,      nullptr,      hash(walk.seed, kFirstPass),
-                    nullptr,      pixels.data()};
+    const Pass pass{data_of(scene), walk,         PassRays(camera, walk, kFirstPass),
+                    sampler,        nullptr,      hash(walk.seed, kFirstPass),
+                    nullptr,        pixels.data()};
 
     const std::vector<Tile> tiles = tiles_by_region(walk);
     std::vector<Points> parts(tiles.size());

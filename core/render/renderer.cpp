@@ -4,7 +4,7 @@
 #include "base/random.h"
 #include "render/camera.h"
 #include "render/film.h"
-#include "render/scene_impl.h"
+#include "render/scene_data.h"
 #include "render/settings.h"
 #include "render/tiles.h"
 #include "render/wavefront.h"
@@ -75,7 +75,7 @@ void Renderer::Impl::render_regions(const std::atomic<bool>* cancel) {
     sampler->begin_pass(mix(settings.seed) + stats.passes);
     cost.sampler_seconds += seconds_since(start);
     std::fill(pass_pixels.begin(), pass_pixels.end(), V3f(0.0f));
-    const Pass pass{scene->impl(),
+    const Pass pass{data_of(*scene),
                     settings,
                     PassRays(camera, settings, stats.passes),
                     *sampler,
@@ -141,7 +141,7 @@ Renderer::Renderer(std::shared_ptr<const Scene> scene, const RenderSettings& set
     if (sampler == nullptr) throw Error("renderer: there is no sampler");
     check_committed(*scene);
     check_settings(settings);
-    if (settings.max_depth > 2 && !scene->impl().virtual_lights.empty()) {
+    if (settings.max_depth > 2 && !data_of(*scene).virtual_lights.empty()) {
         throw Error(
             "renderer: max_depth is " + std::to_string(settings.max_depth) +
             ", and the scene has virtual lights, which are all that bounces: wanted 1 or 2");

@@ -2,7 +2,7 @@
 
 #include "base/memory_size.h"
 #include "render/checks.h"
-#include "render/scene_impl.h"
+#include "render/scene_data.h"
 #include "render/texture.h"
 
 #include <lightcull/error.h>
@@ -16,7 +16,7 @@
 namespace lightcull {
 namespace {
 
-void check_not_committed(const Scene::Impl& scene) {
+void check_not_committed(const SceneData& scene) {
     if (scene.ray_tracer) throw Error("scene: nothing can be changed after commit()");
 }
 
@@ -86,7 +86,7 @@ void check_emission(const std::string& name, const Mesh& mesh, std::size_t textu
     if (mesh.uvs.empty()) check::fail(name + ": emission.texture", "needs uvs");
 }
 
-void check_mesh(const std::string& name, const Mesh& mesh, const Scene::Impl& scene) {
+void check_mesh(const std::string& name, const Mesh& mesh, const SceneData& scene) {
     constexpr std::size_t kMost = std::numeric_limits<std::uint32_t>::max() - 1;
     if (scene.positions.size() + mesh.positions.size() > kMost ||
         scene.triangles.size() + mesh.indices.size() / 3 > kMost) {
@@ -105,7 +105,7 @@ void check_mesh(const std::string& name, const Mesh& mesh, const Scene::Impl& sc
 }
 
 /// Lights for the emissive triangles of the mesh that was added last.
-void add_triangle_lights(Scene::Impl& scene, const Mesh& mesh) {
+void add_triangle_lights(SceneData& scene, const Mesh& mesh) {
     const Emission& e = mesh.emission;
     const std::size_t count = mesh.indices.size() / 3;
     const std::size_t first = scene.triangles.size() - count;
@@ -134,20 +134,20 @@ void add_triangle_lights(Scene::Impl& scene, const Mesh& mesh) {
 
 }  // namespace
 
-Scene::Scene() : impl_(std::make_unique<Impl>()) {
+Scene::Scene() : data_(std::make_unique<SceneData>()) {
 }
 Scene::~Scene() = default;
 
 TextureId Scene::add_texture(Texture texture) {
-    check_not_committed(*impl_);
-    check::texture("texture " + std::to_string(impl_->textures.size()), texture);
-    impl_->textures.push_back(std::move(texture));
-    return static_cast<TextureId>(impl_->textures.size() - 1);
+    check_not_committed(*data_);
+    check::texture("texture " + std::to_string(data_->textures.size()), texture);
+    data_->textures.push_back(std::move(texture));
+    return static_cast<TextureId>(data_->textures.size() - 1);
 }
 
 MaterialId Scene::add_material(const Material& material) {
-    check_not_committed(*impl_);
-    const std::string name = "material " + std::to_string(impl_->materials.size()) + ": ";
+    check_not_committed(*data_);
+    const std::string name = "material " + std::to_string(data_->materials.size()) + ": ";
     if (material.kind != MaterialKind::kDiffuse &&
         material.kind != MaterialKind::kMetallicRoughness) {
         check::fail(name + "kind", "is unknown");
@@ -157,15 +157,15 @@ MaterialId Scene::add_material(const Material& material) {
     check::in_unit_range(name + "base_color.z", material.base_color.z);
     check::in_unit_range(name + "metallic", material.metallic);
     check::in_unit_range(name + "roughness", material.roughness);
-    check_reflectance(name + "base_color_texture", material.base_color_texture, impl_->textures);
+    check_reflectance(name + "base_color_texture", material.base_color_texture, data_->textures);
     check_reflectance(name + "metallic_roughness_texture", material.metallic_roughness_texture,
-                      impl_->textures);
-    impl_->materials.push_back(material);
-    return static_cast<MaterialId>(impl_->materials.size() - 1);
+                      data_->textures);
+    data_->materials.push_back(material);
+    return static_cast<MaterialId>(data_->materials.size() - 1);
 }
 
 MeshId Scene::add_mesh(const Mesh& mesh) {
-    Impl& s = *impl_;
+    SceneData& s = *data_;
     check_not_committed(s);
     const auto id = static_cast<MeshId>(s.meshes.size());
     const std::string name = "mesh \"" + mesh.name + "\"";
@@ -191,18 +191,18 @@ MeshId Scene::add_mesh(const Mesh& mesh) {
 }
 
 void Scene::add_point_light(float3 position, float3 intensity) {
-    check_not_committed(*impl_);
-    const std::string name = "light " + std::to_string(impl_->lights.size()) + ", a point: ";
+    check_not_committed(*data_);
+    const std::string name = "light " + std::to_string(data_->lights.size()) + ", a point: ";
     check::position(name + "position", position);
     check::radiometric(name + "intensity", intensity);
-    impl_->emitters.emplace_back(PointEmitter{to_v3f(position), to_v3f(intensity)});
-    impl_->lights.push_back(point_light(position, luminance(to_v3f(intensity))));
+    data_->emitters.emplace_back(PointEmitter{to_v3f(position), to_v3f(intensity)});
+    data_->lights.push_back(point_light(position, luminance(to_v3f(intensity))));
 }
 
 void Scene::add_spot_light(float3 position, float3 direction, float3 intensity, float inner,
                            float outer) {
-    check_not_committed(*impl_);
-    const std::string name = "light " + std::to_string(impl_->lights.size()) + ", a spot: ";
+    check_not_committed(*data_);
+    const std::string name = "light " + std::to_string(data_->lights.size()) + ", a spot: ";
     check::position(name + "position", position);
     check::finite(name + "direction", direction);
     check::radiometric(name + "intensity", intensity);
@@ -211,14 +211,14 @@ void Scene::add_spot_light(float3 position, float3 direction, float3 intensity, 
     if (!(inner >= 0.0f && inner <= outer && outer <= kPi)) {
         check::fail(name + "inner and outer", "are not 0 <= inner <= outer <= pi");
     }
-    impl_->emitters.emplace_back(
+    data_->emitters.emplace_back(
         SpotEmitter{to_v3f(position), to_v3f(intensity), axis, std::cos(inner), std::cos(outer)});
-    impl_->lights.push_back(
+    data_->lights.push_back(
         spot_light(position, to_float3(axis), luminance(to_v3f(intensity)), inner, outer));
 }
 
 void Scene::set_environment(Environment environment) {
-    check_not_committed(*impl_);
+    check_not_committed(*data_);
     check::texture("environment: map", environment.map);
     check::radiometric("environment: scale", environment.scale);
     check::finite("environment: rotation", environment.rotation);
@@ -226,37 +226,37 @@ void Scene::set_environment(Environment environment) {
     for (const float3 texel : environment.map.texels) {
         check::finite("environment: map times scale", to_float3(to_v3f(texel) * scale));
     }
-    impl_->environment.emplace(std::move(environment));
+    data_->environment.emplace(std::move(environment));
 }
 
 void Scene::set_camera(const Camera& camera) {
-    check_not_committed(*impl_);
+    check_not_committed(*data_);
     check::camera(camera);
-    impl_->camera = camera;
+    data_->camera = camera;
 }
 
 void Scene::commit() {
-    check_not_committed(*impl_);
-    auto& positions = impl_->positions;
+    check_not_committed(*data_);
+    auto& positions = data_->positions;
     // Embree reads 16 bytes from the last position.
     positions.reserve(positions.size() + 1);
-    impl_->ray_tracer.emplace(positions, impl_->indices);
+    data_->ray_tracer.emplace(positions, data_->indices);
 }
 
 Span<const Light> Scene::lights() const noexcept {
-    return impl_->lights;
+    return data_->lights;
 }
 std::size_t Scene::triangle_count() const noexcept {
-    return impl_->triangles.size();
+    return data_->triangles.size();
 }
 bool Scene::has_environment() const noexcept {
-    return impl_->environment.has_value();
+    return data_->environment.has_value();
 }
 const Camera& Scene::camera() const noexcept {
-    return impl_->camera;
+    return data_->camera;
 }
 SceneMemory Scene::memory_size() const noexcept {
-    const Impl& s = *impl_;
+    const SceneData& s = *data_;
     SceneMemory memory;
     memory.data = size_of(s.materials) + size_of(s.meshes) + size_of(s.triangles) +
                   size_of(s.indices) + size_of(s.positions) + size_of(s.normals) + size_of(s.uvs) +

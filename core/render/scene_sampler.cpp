@@ -1,6 +1,6 @@
 #include "render/camera.h"
 #include "render/path_random.h"
-#include "render/scene_impl.h"
+#include "render/scene_data.h"
 #include "render/settings.h"
 #include "render/surface.h"
 
@@ -17,7 +17,7 @@ namespace {
 constexpr std::uint32_t kCalibrationPoints = 128;
 
 /// The surfaces that rays meet.
-std::vector<Surface> trace(const Scene::Impl& scene, const std::vector<Ray>& rays) {
+std::vector<Surface> trace(const SceneData& scene, const std::vector<Ray>& rays) {
     std::vector<Hit> hits(rays.size());
     scene.ray_tracer->intersect(rays, hits, false);
     std::vector<Surface> surfaces;
@@ -50,11 +50,11 @@ std::vector<Surface> camera_surfaces(const Scene& scene, const RenderSettings& s
             rays.push_back(camera.ray(place / grid * V2f(width, height), V2f(0.5f)));
         }
     }
-    return trace(scene.impl(), rays);
+    return trace(data_of(scene), rays);
 }
 
 /// What one scattered ray from each of the surfaces meets.
-std::vector<Surface> bounce(const Scene::Impl& scene, const std::vector<Surface>& from) {
+std::vector<Surface> bounce(const SceneData& scene, const std::vector<Surface>& from) {
     std::vector<Ray> rays;
     for (std::uint32_t i = 0; i < from.size(); ++i) {
         const PathRandom random(0, i, 1);
@@ -85,7 +85,7 @@ std::unique_ptr<LightSampler> make_scene_sampler(std::string_view description, c
     const std::vector<Surface> seen = camera_surfaces(scene, settings, kCalibrationPoints);
     std::vector<ShadingPoint> points;
     append(seen, points);
-    if (settings.max_depth > 2) append(bounce(scene.impl(), seen), points);
+    if (settings.max_depth > 2) append(bounce(data_of(scene), seen), points);
     return make_sampler(description, scene.lights(), {points, settings.width * settings.height});
 }
 

@@ -1,6 +1,6 @@
 #include "render/settings.h"
 
-#include "render/scene_impl.h"
+#include "render/scene_data.h"
 
 #include <lightcull/error.h>
 
@@ -10,7 +10,7 @@
 namespace lightcull {
 
 void check_committed(const Scene& scene) {
-    if (!scene.impl().ray_tracer) throw Error("scene: commit() must come before rendering");
+    if (!data_of(scene).ray_tracer) throw Error("scene: commit() must come before rendering");
 }
 
 void check_settings(const RenderSettings& settings) {

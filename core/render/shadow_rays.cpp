@@ -2,7 +2,7 @@
 
 #include "render/checks.h"
 #include "render/ray_tracer.h"
-#include "render/scene_impl.h"
+#include "render/scene_data.h"
 #include "render/settings.h"
 #include "render/tiles.h"
 
@@ -55,7 +55,7 @@ ShadowRays::ShadowRays(const Scene& scene, Span<const ShadingPoint> points,
                        Span<const Selection> selections) {
     check_committed(scene);
     check_selections(points, selections, scene.lights().size());
-    impl_ = std::make_unique<Impl>(Impl{*scene.impl().ray_tracer, {}});
+    impl_ = std::make_unique<Impl>(Impl{*data_of(scene).ray_tracer, {}});
     for (std::size_t i = 0; i < points.size(); ++i) {
         if (!(selections[i].prob > 0.0f)) continue;
         impl_->rays.push_back(shadow_ray(points[i], scene.lights()[selections[i].light]));

@@ -1,6 +1,6 @@
 #include "render/surface.h"
 
-#include "render/scene_impl.h"
+#include "render/scene_data.h"
 #include "render/texture.h"
 
 #include <algorithm>
@@ -10,7 +10,7 @@ namespace {
 
 /// The interpolated normal, or the geometric one where the mesh has none; on the viewer's side of
 /// the surface, and bent until it faces the viewer.
-V3f shading_normal(const Scene::Impl& scene, const MeshRecord& mesh, const Hit& hit,
+V3f shading_normal(const SceneData& scene, const MeshRecord& mesh, const Hit& hit,
                    const V3f& normal, const V3f& outgoing) noexcept {
     if (mesh.first_normal == kNone) return normal;
     const std::uint32_t shift = mesh.first_normal - mesh.first_position;
@@ -25,7 +25,7 @@ V3f shading_normal(const Scene::Impl& scene, const MeshRecord& mesh, const Hit& 
     return cosine >= kMinCosine ? n : unit(n + outgoing * (kMinCosine - cosine));
 }
 
-Bsdf make_bsdf(const Scene::Impl& scene, const MeshRecord& mesh, const Hit& hit, const V3f& normal,
+Bsdf make_bsdf(const SceneData& scene, const MeshRecord& mesh, const Hit& hit, const V3f& normal,
                const V3f& outgoing) noexcept {
     const Material& m = scene.materials[mesh.material];
     V3f base_color = to_v3f(m.base_color);
@@ -49,13 +49,13 @@ Bsdf make_bsdf(const Scene::Impl& scene, const MeshRecord& mesh, const Hit& hit,
 
 }  // namespace
 
-V3f hit_position(const Scene::Impl& scene, const Hit& hit) noexcept {
+V3f hit_position(const SceneData& scene, const Hit& hit) noexcept {
     return scene.positions[scene.corner(hit.triangle, 0)] * (1.0f - hit.u - hit.v) +
            scene.positions[scene.corner(hit.triangle, 1)] * hit.u +
            scene.positions[scene.corner(hit.triangle, 2)] * hit.v;
 }
 
-Surface make_surface(const Scene::Impl& scene, const Hit& hit, const V3f& direction) noexcept {
+Surface make_surface(const SceneData& scene, const Hit& hit, const V3f& direction) noexcept {
     const V3f& a = scene.positions[scene.corner(hit.triangle, 0)];
     const V3f& b = scene.positions[scene.corner(hit.triangle, 1)];
     const V3f& c = scene.positions[scene.corner(hit.triangle, 2)];

@@ -29,9 +29,9 @@ struct Surface {
     }
 };
 
-V3f hit_position(const Scene::Impl& scene, const Hit& hit) noexcept;
+V3f hit_position(const SceneData& scene, const Hit& hit) noexcept;
 
 /// The surface at a hit of a ray that came along `direction` (unit length).
-Surface make_surface(const Scene::Impl& scene, const Hit& hit, const V3f& direction) noexcept;
+Surface make_surface(const SceneData& scene, const Hit& hit, const V3f& direction) noexcept;
 
 }  // namespace lightcull

@@ -2,7 +2,7 @@
 
 #include "render/emitter.h"
 #include "render/morton_sort.h"
-#include "render/scene_impl.h"
+#include "render/scene_data.h"
 
 #include <lightcull/sets.h>
 

@@ -20,7 +20,7 @@ namespace lightcull {
 
 /// What all tiles of a pass share.
 struct Pass {
-    const Scene::Impl& scene;
+    const SceneData& scene;
     const RenderSettings& settings;
     PassRays camera_rays;
     const LightSelector& sampler;

@@ -6,7 +6,7 @@
 
 namespace lightcull {
 
-void check_for_virtual_lights(const Scene::Impl& scene) {
+void check_for_virtual_lights(const SceneData& scene) {
     if (!scene.virtual_lights.empty()) {
         throw Error("virtual lights: the scene has some among its lights already");
     }

@@ -1,11 +1,11 @@
 #pragma once
 
-#include "render/scene_impl.h"
+#include "render/scene_data.h"
 
 namespace lightcull {
 
 /// Throws Error if light paths of the scene cannot become virtual lights: where a material is a
 /// perfect mirror, or virtual lights are among its emitters.
-void check_for_virtual_lights(const Scene::Impl& scene);
+void check_for_virtual_lights(const SceneData& scene);
 
 }  // namespace lightcull

@@ -1,7 +1,7 @@
 #include <lightcull/virtual_lights/scene_virtual_lights.h>
 
 #include "base/random.h"
-#include "render/scene_impl.h"
+#include "render/scene_data.h"
 #include "virtual_lights/paths/light_paths.h"
 #include "virtual_lights/scene_checks.h"
 #include "virtual_lights/tiles/tiled_lighting.h"
@@ -29,7 +29,7 @@ Light light_of(const VirtualLight& light) noexcept {
 class Committed {
   public:
     explicit Committed(Scene& scene) : scene_(scene) { scene.commit(); }
-    ~Committed() { scene_.impl().ray_tracer.reset(); }
+    ~Committed() { data_of(scene_).ray_tracer.reset(); }
     Committed(const Committed&) = delete;
     Committed& operator=(const Committed&) = delete;
 
@@ -41,8 +41,8 @@ std::vector<VirtualLight> trace(Scene& scene, std::uint32_t light_paths, std::ui
                                 std::uint64_t seed) {
     const Committed committed(scene);
     const std::uint64_t key = hash(seed, std::uint64_t{0x7363656e65});
-    const EmissionTable emission(scene.impl());
-    return virtual_lights(scene.impl(), emit(emission, light_paths, key), bounces, key);
+    const EmissionTable emission(data_of(scene));
+    return virtual_lights(data_of(scene), emit(emission, light_paths, key), bounces, key);
 }
 
 void check_number(const char* name, std::uint32_t value, std::uint32_t least, std::uint32_t most) {
@@ -58,9 +58,9 @@ void add_virtual_lights(Scene& scene, std::uint32_t light_paths, std::uint32_t b
     constexpr std::uint32_t kMostPaths = 1u << 24;
     check_number("light_paths", light_paths, 1, kMostPaths);
     check_number("bounces", bounces, 1, 3);
-    check_for_virtual_lights(scene.impl());
+    check_for_virtual_lights(data_of(scene));
     std::vector<VirtualLight> lights = trace(scene, light_paths, bounces, seed);
-    Scene::Impl& impl = scene.impl();
+    SceneData& impl = data_of(scene);
     for (std::uint32_t i = 0; i < lights.size(); ++i) {
         impl.emitters.emplace_back(VirtualEmitter{i});
         impl.lights.push_back(light_of(lights[i]));

@@ -4,7 +4,7 @@
 #include "base/random.h"
 #include "render/camera.h"
 #include "render/film.h"
-#include "render/scene_impl.h"
+#include "render/scene_data.h"
 #include "virtual_lights/grid/grid_lighting.h"
 #include "virtual_lights/maps/imperfect_shadow_maps.h"
 #include "virtual_lights/maps/point_cloud.h"
@@ -115,7 +115,7 @@ struct VirtualLightRenderer::Impl {
           direct(shared_scene, direct_only(r), std::move(sampler)),
           camera(shared_scene->camera(), r.width, r.height),
           arena(thread_count(r.threads)),
-          emission(shared_scene->impl()),
+          emission(data_of(*shared_scene)),
           of_pixels(std::size_t{r.width} * r.height),
           bounced(of_pixels.size()) {
         // So many that the maps of a few lights together have all of the geometry.
@@ -124,7 +124,7 @@ struct VirtualLightRenderer::Impl {
         cloud = PointCloud(scene(), kParts, options.map_points, 0);
     }
 
-    const Scene::Impl& scene() const noexcept { return shared_scene->impl(); }
+    const SceneData& scene() const noexcept { return data_of(*shared_scene); }
     std::vector<LightRay> light_rays(std::uint32_t paths, std::uint64_t key) const;
     std::size_t bytes_of_lights() const;
     std::vector<VirtualLight> generate(std::uint64_t key, VirtualLightStats& cost) const;
@@ -245,8 +245,8 @@ VirtualLightRenderer::VirtualLightRenderer(std::shared_ptr<const Scene> scene,
                                            std::unique_ptr<LightSampler> sampler) {
     if (scene == nullptr) throw Error("renderer: there is no scene");
     check_depth(settings);
-    check_for_virtual_lights(scene->impl());
-    if (options.source == VirtualLightSource::kShadowMap) check_shadow_map_sources(scene->impl());
+    check_for_virtual_lights(data_of(*scene));
+    if (options.source == VirtualLightSource::kShadowMap) check_shadow_map_sources(data_of(*scene));
     impl_ = std::make_unique<Impl>(std::move(scene), settings, options, std::move(sampler));
 }
 

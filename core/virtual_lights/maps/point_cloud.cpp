@@ -15,7 +15,7 @@ namespace {
 /// Draws points from all triangles by area.
 class Surfaces {
   public:
-    explicit Surfaces(const Scene::Impl& scene) : scene_(scene) {
+    explicit Surfaces(const SceneData& scene) : scene_(scene) {
         std::vector<double> areas(scene.triangles.size());
         for (std::uint32_t t = 0; t < areas.size(); ++t) {
             const V3f edge1 = corner(t, 1) - corner(t, 0), edge2 = corner(t, 2) - corner(t, 0);
@@ -39,7 +39,7 @@ class Surfaces {
         return scene_.positions[scene_.corner(triangle, k)];
     }
 
-    const Scene::Impl& scene_;
+    const SceneData& scene_;
     double total_ = 0.0;
     AliasTable table_;
 };
@@ -67,7 +67,7 @@ BoxTree tree_of(const std::vector<CloudPoint>& points) {
 
 }  // namespace
 
-PointCloud::PointCloud(const Scene::Impl& scene, std::uint32_t parts, std::uint32_t per_part,
+PointCloud::PointCloud(const SceneData& scene, std::uint32_t parts, std::uint32_t per_part,
                        std::uint64_t key) {
     const Surfaces surfaces(scene);
     if (!(surfaces.area() > 0.0)) return;

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "base/memory_size.h"
-#include "render/scene_impl.h"
+#include "render/scene_data.h"
 #include "render/vec.h"
 #include "virtual_lights/volumes/box_tree.h"
 
@@ -27,7 +27,7 @@ class PointCloud {
     PointCloud() = default;
     /// `parts` parts of `per_part` points, both above 0; none without triangles. key: of the random
     /// numbers. Runs in the caller's TBB arena.
-    PointCloud(const Scene::Impl& scene, std::uint32_t parts, std::uint32_t per_part,
+    PointCloud(const SceneData& scene, std::uint32_t parts, std::uint32_t per_part,
                std::uint64_t key);
 
     std::size_t part_count() const noexcept { return parts_.size(); }

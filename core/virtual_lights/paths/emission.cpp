@@ -22,7 +22,7 @@ LightRay point_ray(const PointEmitter& point, const V2f& u) noexcept {
             point.intensity * (4.0f * kPi)};
 }
 
-LightRay triangle_ray(const Scene::Impl& scene, const TriangleEmitter& triangle,
+LightRay triangle_ray(const SceneData& scene, const TriangleEmitter& triangle,
                       const PathRandom& random) noexcept {
     const V2f b = uniform_triangle(random.two(Dimension::kLightVertex));
     const V3f across = triangle.edge1.cross(triangle.edge2);
@@ -62,7 +62,7 @@ double irradiance(const EnvironmentMap& environment) noexcept {
 
 }  // namespace
 
-EmissionTable::EmissionTable(const Scene::Impl& scene) : scene_(scene) {
+EmissionTable::EmissionTable(const SceneData& scene) : scene_(scene) {
     Imath::Box3f box;
     for (const V3f& p : scene.positions) box.extendBy(p);
     if (!box.isEmpty()) {

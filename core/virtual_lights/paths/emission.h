@@ -3,7 +3,7 @@
 #include "base/alias_table.h"
 #include "render/path_random.h"
 #include "render/ray.h"
-#include "render/scene_impl.h"
+#include "render/scene_data.h"
 
 namespace lightcull {
 
@@ -17,7 +17,7 @@ struct LightRay {
 class EmissionTable {
   public:
     /// The scene must outlive it.
-    explicit EmissionTable(const Scene::Impl& scene);
+    explicit EmissionTable(const SceneData& scene);
 
     /// Nothing emits.
     bool empty() const noexcept { return table_.empty(); }
@@ -29,7 +29,7 @@ class EmissionTable {
     LightRay environment_ray(const PathRandom& random, const V2f& u) const noexcept;
 
   private:
-    const Scene::Impl& scene_;
+    const SceneData& scene_;
     V3f center_{0.0f};  // of a sphere around all geometry
     float radius_ = 0.0f;
     AliasTable table_;  // the emitters, then the environment

@@ -16,7 +16,7 @@ constexpr std::size_t kBlock = 4096;
 /// The paths of one block, one edge at a time.
 class LightPaths {
   public:
-    LightPaths(const Scene::Impl& scene, const LightRay* starts, std::size_t count,
+    LightPaths(const SceneData& scene, const LightRay* starts, std::size_t count,
                std::uint32_t first, std::uint64_t key)
         : scene_(scene), key_(key), numbers_(count) {
         std::iota(numbers_.begin(), numbers_.end(), first);
@@ -59,7 +59,7 @@ class LightPaths {
         return true;
     }
 
-    const Scene::Impl& scene_;
+    const SceneData& scene_;
     std::uint64_t key_;
     std::vector<std::uint32_t> numbers_;
     std::vector<Ray> rays_;
@@ -95,7 +95,7 @@ std::vector<LightRay> emit(const EmissionTable& emission, std::uint32_t count, s
     return rays;
 }
 
-void check_shadow_map_sources(const Scene::Impl& scene) {
+void check_shadow_map_sources(const SceneData& scene) {
     for (const Emitter& emitter : scene.emitters) {
         if (std::holds_alternative<SpotEmitter>(emitter)) continue;
         throw Error(
@@ -104,7 +104,7 @@ void check_shadow_map_sources(const Scene::Impl& scene) {
     }
 }
 
-std::vector<LightRay> shadow_map_rays(const Scene::Impl& scene, const EmissionTable& emission,
+std::vector<LightRay> shadow_map_rays(const SceneData& scene, const EmissionTable& emission,
                                       std::uint32_t edge, std::uint64_t key) {
     std::vector<LightRay> rays;
     const auto add_texels = [&](const auto& ray_of) {
@@ -129,7 +129,7 @@ std::vector<LightRay> shadow_map_rays(const Scene::Impl& scene, const EmissionTa
     return rays;
 }
 
-std::vector<VirtualLight> virtual_lights(const Scene::Impl& scene,
+std::vector<VirtualLight> virtual_lights(const SceneData& scene,
                                          const std::vector<LightRay>& starts, std::uint32_t bounces,
                                          std::uint64_t key) {
     std::vector<std::vector<VirtualLight>> parts((starts.size() + kBlock - 1) / kBlock);

@@ -5,7 +5,7 @@
 namespace lightcull {
 namespace {
 
-void trace_block(const Scene::Impl& scene, const PassRays& camera_rays, std::size_t begin,
+void trace_block(const SceneData& scene, const PassRays& camera_rays, std::size_t begin,
                  std::size_t end, CameraView& view) {
     std::vector<Ray> rays;
     std::vector<Hit> hits(end - begin);
@@ -25,7 +25,7 @@ void trace_block(const Scene::Impl& scene, const PassRays& camera_rays, std::siz
 
 }  // namespace
 
-CameraView trace_camera_view(const Scene::Impl& scene, const RenderSettings& settings,
+CameraView trace_camera_view(const SceneData& scene, const RenderSettings& settings,
                              const PassRays& camera_rays) {
     CameraView view;
     view.width = settings.width;

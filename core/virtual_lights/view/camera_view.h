@@ -1,7 +1,7 @@
 #pragma once
 
 #include "render/pass_rays.h"
-#include "render/scene_impl.h"
+#include "render/scene_data.h"
 #include "render/surface.h"
 
 #include <lightcull/render/renderer.h>
@@ -24,7 +24,7 @@ struct CameraView {
 };
 
 /// By the rays of a pass of the path tracer. Runs in the caller's TBB arena.
-CameraView trace_camera_view(const Scene::Impl& scene, const RenderSettings& settings,
+CameraView trace_camera_view(const SceneData& scene, const RenderSettings& settings,
                              const PassRays& camera_rays);
 
 }  // namespace lightcull

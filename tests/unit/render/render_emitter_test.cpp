@@ -1,6 +1,6 @@
 #include "base/random.h"
 #include "render/emitter.h"
-#include "render/scene_impl.h"
+#include "render/scene_data.h"
 #include "unit/render/render_support.h"
 
 #include <doctest/doctest.h>
@@ -31,7 +31,7 @@ double solid_angle(V3f a, V3f b, V3f c) {
 }  // namespace
 
 TEST_CASE("a triangle's density is one per solid angle") {
-    const lightcull::Scene::Impl scene;
+    const lightcull::SceneData scene;
     const V3f a(1, 2, 3), b(2, 2, 2), c(0, 4, 1);
     const Emitter triangle = TriangleEmitter{a, b - a, c - a, V3f(5), 0, kNoTexture, true};
     RandomStream random(1);
@@ -48,7 +48,7 @@ TEST_CASE("a triangle's density is one per solid angle") {
 }
 
 TEST_CASE("a one-sided triangle emits where its corners run anticlockwise, a two-sided one twice") {
-    const lightcull::Scene::Impl scene;
+    const lightcull::SceneData scene;
     TriangleEmitter t{V3f(0), V3f(1, 0, 0), V3f(0, 1, 0), V3f(1), 0, kNoTexture, false};
     CHECK(emitted(scene, t, 0.3f, 0.3f, V3f(0, 0, 1)).x == 1.0f);
     CHECK(emitted(scene, t, 0.3f, 0.3f, V3f(0, 0, -1)).x == 0.0f);
@@ -57,7 +57,7 @@ TEST_CASE("a one-sided triangle emits where its corners run anticlockwise, a two
 }
 
 TEST_CASE("from its own plane a triangle is not sampled") {
-    const lightcull::Scene::Impl scene;
+    const lightcull::SceneData scene;
     const Emitter t =
         TriangleEmitter{V3f(0), V3f(1, 0, 0), V3f(0, 1, 0), V3f(1), 0, kNoTexture, true};
     CHECK(sample_emitter(scene, t, V3f(5, 5, 0), V2f(0.5f)).pdf == 0.0f);

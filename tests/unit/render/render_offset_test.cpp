@@ -1,6 +1,6 @@
 #include "base/random.h"
 #include "render/emitter.h"
-#include "render/scene_impl.h"
+#include "render/scene_data.h"
 #include "render/surface.h"
 #include "render/warp.h"
 #include "unit/render/render_support.h"
@@ -56,7 +56,7 @@ Shape moved(const Place& place, Shape shape) {
 }
 
 /// Surfaces that rays from a point in all directions meet.
-std::vector<Surface> seen_from(const Scene::Impl& scene, const V3f& point, std::uint64_t key,
+std::vector<Surface> seen_from(const SceneData& scene, const V3f& point, std::uint64_t key,
                                std::size_t count) {
     RandomStream random(key);
     std::vector<Ray> rays;
@@ -123,13 +123,13 @@ TEST_CASE("rays that leave a convex body meet nothing") {
         std::vector<Surface> surfaces;
         for (const float3 from : {float3{3, 0, 1}, float3{-2, 3, 0}, float3{0, -1, -2}}) {
             const auto more =
-                seen_from(scene.impl(), lightcull::to_v3f(moved(place, from)), 1, 100000);
+                seen_from(data_of(scene), lightcull::to_v3f(moved(place, from)), 1, 100000);
             surfaces.insert(surfaces.end(), more.begin(), more.end());
         }
         const std::vector<Ray> rays = leaving(surfaces);
         REQUIRE(rays.size() > 5000);
         std::vector<Hit> hits(rays.size());
-        scene.impl().ray_tracer->intersect(rays, hits, false);
+        data_of(scene).ray_tracer->intersect(rays, hits, false);
         int again = 0;
         for (const Hit& hit : hits) again += hit.triangle != kNoHit ? 1 : 0;
         CHECK(again <= place.allowed);
@@ -148,7 +148,7 @@ TEST_CASE("rays inside a closed room never leave it, and its lamp is seen from e
         const Shape moved_lamp = moved(place, lamp);
         scene.add_mesh(moved_lamp.mesh("lamp", 0, emission(1.0f)));
         scene.commit();
-        const auto& impl = scene.impl();
+        const auto& impl = data_of(scene);
         const auto surfaces =
             seen_from(impl, lightcull::to_v3f(moved(place, {0.1f, 0.5f, 0.2f})), 2, 100000);
         REQUIRE(surfaces.size() == 100000);

@@ -1,4 +1,4 @@
-#include "render/scene_impl.h"
+#include "render/scene_data.h"
 #include "render/surface.h"
 #include "unit/render/render_support.h"
 
@@ -40,7 +40,7 @@ TEST_CASE("a surface is where its barycentric coordinates say and faces the view
     scene.add_material(diffuse(0.5f));
     add_triangle(scene, [](Mesh&) {});
     for (const float side : {1.0f, -1.0f}) {
-        const Surface s = make_surface(scene.impl(), kHit, unit(V3f(0.3f, 0.1f, -side)));
+        const Surface s = make_surface(data_of(scene), kHit, unit(V3f(0.3f, 0.1f, -side)));
         CHECK((s.position - V3f(0.25f, 0.5f, 0.0f)).length() < 1e-6f);
         CHECK(s.normal == V3f(0, 0, side));
         CHECK(s.bsdf.normal() == V3f(0, 0, side));
@@ -58,14 +58,14 @@ TEST_CASE("shading normals are interpolated, on the viewer's side, and bent towa
     const std::vector<float3> normals{{1, 0, 1}, {0, 0, 2}, {0, 0, 1}};
     add_triangle(scene, [&](Mesh& m) { m.normals = normals; });
     const V3f smooth = unit(V3f(0.25f, 0.0f, 0.25f + 0.5f + 0.5f));
-    const V3f front = make_surface(scene.impl(), kHit, V3f(0, 0, -1)).bsdf.normal();
+    const V3f front = make_surface(data_of(scene), kHit, V3f(0, 0, -1)).bsdf.normal();
     CHECK((front - smooth).length() < 1e-6f);
-    const V3f back = make_surface(scene.impl(), kHit, V3f(0, 0, 1)).bsdf.normal();
+    const V3f back = make_surface(data_of(scene), kHit, V3f(0, 0, 1)).bsdf.normal();
     CHECK((back + smooth).length() < 1e-6f);
     // The viewer is above the triangle, but behind the smooth surface.
     const V3f outgoing = unit(V3f(-1.0f, 0.0f, 0.1f));
     REQUIRE(smooth.dot(outgoing) < 0.0f);
-    const Surface grazing = make_surface(scene.impl(), kHit, -outgoing);
+    const Surface grazing = make_surface(data_of(scene), kHit, -outgoing);
     CHECK(grazing.bsdf.normal().dot(outgoing) > 0.0f);
     CHECK(grazing.bsdf.normal().length() == doctest::Approx(1.0));
     CHECK(grazing.normal == V3f(0, 0, 1));
@@ -74,7 +74,7 @@ TEST_CASE("shading normals are interpolated, on the viewer's side, and bent towa
     flat.add_material(diffuse(0.5f));
     const std::vector<float3> none(3);
     add_triangle(flat, [&](Mesh& m) { m.normals = none; });
-    CHECK(make_surface(flat.impl(), kHit, V3f(0, 0, -1)).bsdf.normal() == V3f(0, 0, 1));
+    CHECK(make_surface(data_of(flat), kHit, V3f(0, 0, -1)).bsdf.normal() == V3f(0, 0, 1));
 }
 
 TEST_CASE("textures multiply base colour, roughness (green) and metallic (blue)") {
@@ -95,11 +95,11 @@ TEST_CASE("textures multiply base colour, roughness (green) and metallic (blue)"
 
     const V3f base_color(0.5f * 0.4f, 0.5f, 0.5f), normal(0, 0, 1);
     const V3f outgoing = unit(V3f(0.5f, 0.2f, 1.0f)), incoming = unit(V3f(-0.3f, 0.1f, 1.0f));
-    const Surface matte = make_surface(scene.impl(), kHit, -outgoing);
+    const Surface matte = make_surface(data_of(scene), kHit, -outgoing);
     const V3f expected = Bsdf::diffuse(normal, outgoing, base_color).evaluate(incoming).value;
     CHECK((matte.bsdf.evaluate(incoming).value - expected).length() < 1e-5f);
 
-    const Surface shiny = make_surface(scene.impl(), {1, 0.25f, 0.5f}, -outgoing);
+    const Surface shiny = make_surface(data_of(scene), {1, 0.25f, 0.5f}, -outgoing);
     const V3f expected_shiny =
         Bsdf::metallic_roughness(normal, outgoing, base_color, 0.9f * 0.5f, 0.8f * 0.5f)
             .evaluate(incoming)

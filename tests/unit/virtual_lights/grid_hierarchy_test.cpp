@@ -29,9 +29,9 @@ class Room {
     explicit Room(std::uint32_t paths, std::uint32_t edge = 32)
         : settings_(square_image(edge, 4)), scene_(make()), camera_(scene_->camera(), edge, edge) {
         scene_->commit();
-        view = trace_camera_view(scene_->impl(), settings_, PassRays(camera_, settings_, 1));
-        const EmissionTable emission(scene_->impl());
-        lights = virtual_lights(scene_->impl(), emit(emission, paths, 1), 2, 1);
+        view = trace_camera_view(data_of(*scene_), settings_, PassRays(camera_, settings_, 1));
+        const EmissionTable emission(data_of(*scene_));
+        lights = virtual_lights(data_of(*scene_), emit(emission, paths, 1), 2, 1);
     }
 
     std::vector<V3f> by_grid(const std::string& options, std::uint64_t key = 7) {
@@ -39,7 +39,7 @@ class Room {
         const GridHierarchy hierarchy(lights, parsed.alpha, parsed.grid_build);
         std::vector<V3f> pixels(view.hit.size(), V3f(0.0f));
         counts =
-            add_grid_lighting({*scene_->impl().ray_tracer, camera_, view, parsed, key, nullptr},
+            add_grid_lighting({*data_of(*scene_).ray_tracer, camera_, view, parsed, key, nullptr},
                               lights, hierarchy, pixels);
         return pixels;
     }
@@ -47,8 +47,8 @@ class Room {
         const auto parsed = parse_virtual_light_method("vpl_all" + options);
         const RandomRanges ranges(1.0f, 1);
         std::vector<V3f> pixels(view.hit.size(), V3f(0.0f));
-        add_tiled_lighting({*scene_->impl().ray_tracer, camera_, view, parsed, 7, nullptr}, lights,
-                           Acceptance(parsed.method, ranges), pixels);
+        add_tiled_lighting({*data_of(*scene_).ray_tracer, camera_, view, parsed, 7, nullptr},
+                           lights, Acceptance(parsed.method, ranges), pixels);
         return pixels;
     }
 

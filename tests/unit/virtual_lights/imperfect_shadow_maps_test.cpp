@@ -23,7 +23,7 @@ PointCloud cloud_of_plate_and_floor() {
     shape.add_level_square({0, 0.5f, 0}, 0.5f, true);
     scene.add_mesh(shape.mesh("plate", 0));
     scene.commit();
-    return {scene.impl(), kParts, kPerMap, 1};
+    return {data_of(scene), kParts, kPerMap, 1};
 }
 
 VirtualLight light_at(const V3f& position, const V3f& normal) {
@@ -98,7 +98,7 @@ TEST_CASE("imperfect shadow maps: the shadow of a plate to one side lies on that
     shape.add_level_square({0.8f, 0.8f, 0.2f}, 0.3f, true);
     scene.add_mesh(shape.mesh("plate", 0));
     scene.commit();
-    const PointCloud cloud(scene.impl(), 1, kPerMap, 1);
+    const PointCloud cloud(data_of(scene), 1, kPerMap, 1);
     const std::vector<VirtualLight> lights{light_at({0, 0, 0}, {0, 1, 0})};
     const float ranges[] = {10.0f};
     const ImperfectShadowMaps maps(lights, ranges, cloud, 1);
@@ -154,5 +154,5 @@ TEST_CASE("imperfect shadow maps: without geometry nothing is dark") {
     CHECK(!maps.occluded(0, lights[0], {0, 1, 0}));
     Scene scene;
     scene.commit();
-    CHECK(PointCloud(scene.impl(), 3, 100, 1).part_count() == 0);
+    CHECK(PointCloud(data_of(scene), 3, 100, 1).part_count() == 0);
 }

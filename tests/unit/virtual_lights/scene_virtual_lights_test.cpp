@@ -128,7 +128,7 @@ TEST_CASE("virtual lights of a scene: samplers know where they shine, and all th
     const auto scene = corner(0.3f);
     const std::size_t first = scene->lights().size();
     add_virtual_lights(*scene, 200, 2);
-    const std::vector<VirtualLight>& lights = scene->impl().virtual_lights;
+    const std::vector<VirtualLight>& lights = data_of(*scene).virtual_lights;
     REQUIRE(scene->lights().size() == first + lights.size());
     for (std::size_t i = 0; i < lights.size(); ++i) {
         const VirtualLight& light = lights[i];
@@ -138,8 +138,8 @@ TEST_CASE("virtual lights of a scene: samplers know where they shine, and all th
         const V3f peak = light.lobe == Lobe::kGlossy ? mirrored : light.normal;
         CHECK(peak.dot(lightcull::to_v3f(known.axis)) == doctest::Approx(1.0));
     }
-    CHECK(scene->impl().virtual_nearest2 > 0.0f);
-    CHECK(scene->impl().virtual_nearest2 == nearest_distance2(lights));
+    CHECK(data_of(*scene).virtual_nearest2 > 0.0f);
+    CHECK(data_of(*scene).virtual_nearest2 == nearest_distance2(lights));
 }
 
 TEST_CASE("virtual lights of a scene: what makes no sense is refused, darkness gives none") {

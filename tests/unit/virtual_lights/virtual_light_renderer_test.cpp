@@ -39,11 +39,11 @@ class Passes {
         : options_(parse_virtual_light_method(method)),
           settings_(square_image(edge, 3)),
           camera_(scene.camera(), edge, edge),
-          view_(trace_camera_view(scene.impl(), settings_, PassRays(camera_, settings_, 1))),
-          lights_(virtual_lights(scene.impl(),
-                                 emit(EmissionTable(scene.impl()), options_.light_paths, 1), 2, 1)),
-          cloud_(scene.impl(), 16, options_.map_points, 1),
-          tracer_(*scene.impl().ray_tracer) {
+          view_(trace_camera_view(data_of(scene), settings_, PassRays(camera_, settings_, 1))),
+          lights_(virtual_lights(
+              data_of(scene), emit(EmissionTable(data_of(scene)), options_.light_paths, 1), 2, 1)),
+          cloud_(data_of(scene), 16, options_.map_points, 1),
+          tracer_(*data_of(scene).ray_tracer) {
         for (const auto h : view_.hit) seen_ += h;
     }
 

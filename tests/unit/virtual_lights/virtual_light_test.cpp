@@ -44,8 +44,8 @@ std::shared_ptr<Scene> box_with_point() {
 std::vector<VirtualLight> lights_of(Scene& scene, std::uint32_t count, std::uint32_t bounces,
                                     std::uint64_t key = 1) {
     scene.commit();
-    const EmissionTable emission(scene.impl());
-    return virtual_lights(scene.impl(), emit(emission, count, key), bounces, key);
+    const EmissionTable emission(data_of(scene));
+    return virtual_lights(data_of(scene), emit(emission, count, key), bounces, key);
 }
 
 /// The flux that diffuse lights have received on surfaces of an albedo, W by luminance.
@@ -96,10 +96,10 @@ TEST_CASE("virtual lights: each bounce keeps the albedo of the flux, in lights a
     auto scene = box(0.5f);
     scene->add_point_light({0, 0, 0}, {1, 1, 1});
     scene->commit();
-    const EmissionTable emission(scene->impl());
+    const EmissionTable emission(data_of(*scene));
     statistics::Accumulator three;
     for (std::uint64_t key = 0; key < 40; ++key) {
-        const auto lights = virtual_lights(scene->impl(), emit(emission, 1000, key), 3, key);
+        const auto lights = virtual_lights(data_of(*scene), emit(emission, 1000, key), 3, key);
         three.add(flux(lights, 0.5));
         for (const VirtualLight& light : lights) {
             CHECK(light.strength.x == doctest::Approx(lights[0].strength.x));
@@ -138,7 +138,7 @@ TEST_CASE(
         return kEnvironment;
     };
     constexpr std::uint32_t kCount = 200000;
-    const EmissionTable table(scene->impl());
+    const EmissionTable table(data_of(*scene));
     double number[kKinds] = {}, flux[kKinds] = {}, height[kKinds] = {}, above[kKinds] = {};
     V3f sum(0.0f);
     for (const lightcull::LightRay& ray : emit(table, kCount, 1)) {
@@ -184,7 +184,7 @@ TEST_CASE("virtual lights: a textured lamp sends light from where it is bright")
     scene->add_mesh(mesh);
     scene->commit();
     int dark = 0, bright = 0;
-    for (const lightcull::LightRay& ray : emit(EmissionTable(scene->impl()), 2000, 1)) {
+    for (const lightcull::LightRay& ray : emit(EmissionTable(data_of(*scene)), 2000, 1)) {
         const float x = ray.ray.origin.x;
         // Away from where texels are blended.
         if (x > 0.15f && x < 0.35f) CHECK((++dark, ray.flux.x) == 0.0f);
@@ -203,7 +203,7 @@ TEST_CASE("virtual lights: paths that begin alike part, and lights lie along a c
     const std::vector<lightcull::LightRay> starts(10000, down);
     std::set<std::array<float, 3>> places;
     std::size_t second = 0;
-    for (const VirtualLight& light : virtual_lights(scene->impl(), starts, 2, 1)) {
+    for (const VirtualLight& light : virtual_lights(data_of(*scene), starts, 2, 1)) {
         const V3f& p = light.position;
         if ((p - V3f(0.0f, -1.0f, 0.0f)).length() < 1e-5f) continue;  // the first, up to rounding
         ++second;
@@ -236,8 +236,8 @@ TEST_CASE("virtual lights: a reflective shadow map holds the flux of its spot") 
     auto scene = box(0.5f);
     scene->add_spot_light({0, 0, 0}, {0, -1, 0}, {4, 4, 4}, 0.3f, 0.7f);
     scene->commit();
-    const auto rays = shadow_map_rays(scene->impl(), EmissionTable(scene->impl()), 64, 1);
-    const auto lights = virtual_lights(scene->impl(), rays, 1, 1);
+    const auto rays = shadow_map_rays(data_of(*scene), EmissionTable(data_of(*scene)), 64, 1);
+    const auto lights = virtual_lights(data_of(*scene), rays, 1, 1);
     CHECK(lights.size() == 64 * 64);
     const double ramp = (std::cos(0.3) - std::cos(0.7)) / 3.0;
     CHECK(flux(lights, 0.5) == doctest::Approx(2.0 * kPiDouble * 4.0 * (1.0 - std::cos(0.3) + ramp))
@@ -247,7 +247,7 @@ TEST_CASE("virtual lights: a reflective shadow map holds the flux of its spot") 
     auto other = box(0.5f);
     other->add_point_light({0, 0, 0}, {1, 1, 1});
     other->commit();
-    CHECK_THROWS_AS(check_shadow_map_sources(other->impl()), Error);
+    CHECK_THROWS_AS(check_shadow_map_sources(data_of(*other)), Error);
 }
 
 TEST_CASE(
@@ -261,7 +261,7 @@ TEST_CASE(
     sky.texels[std::size_t{40} * 256 + 30] = {900, 900, 900};
     scene->set_environment({sky, {1, 1, 1}, 0.0f});
     const double by_paths = flux(lights_of(*scene, 20 * kPaths, 1), 0.5);
-    const auto rays = shadow_map_rays(scene->impl(), EmissionTable(scene->impl()), 128, 1);
+    const auto rays = shadow_map_rays(data_of(*scene), EmissionTable(data_of(*scene)), 128, 1);
     CHECK(rays.size() == 128 * 128);
     // The square's share of the disk, foreshortened, for each ray that has light.
     double expected = 0.0;
@@ -270,7 +270,7 @@ TEST_CASE(
         const double height = -static_cast<double>(ray.ray.direction.y);
         if (ray.flux.x > 0.0f) expected += 4.0 * height / (2.0 * kPiDouble);
     }
-    const auto lights = virtual_lights(scene->impl(), rays, 1, 1);
+    const auto lights = virtual_lights(data_of(*scene), rays, 1, 1);
     CHECK(flux(lights, 0.5) == doctest::Approx(by_paths).scale(0.0).epsilon(0.03));
     CHECK(static_cast<double>(lights.size()) == doctest::Approx(expected).scale(0.0).epsilon(0.05));
 }

@@ -78,6 +78,8 @@ struct SceneMemory {
     std::size_t bvh = 0;   ///< Embree's, of which there is none before commit()
 };
 
+struct SceneData;
+
 /// Geometry, materials, emitters and a camera. Fill it, commit() it, then share it between any
 /// number of renderers and threads. Every add_ and set_ checks what it is given and throws Error.
 class Scene {
@@ -111,13 +113,11 @@ class Scene {
     const Camera& camera() const noexcept;
     SceneMemory memory_size() const noexcept;
 
-    /// For core/render itself, and for add_virtual_lights().
-    struct Impl;
-    const Impl& impl() const noexcept { return *impl_; }
-    Impl& impl() noexcept { return *impl_; }
-
   private:
-    std::unique_ptr<Impl> impl_;
+    friend const SceneData& data_of(const Scene& scene) noexcept;
+    friend SceneData& data_of(Scene& scene) noexcept;
+
+    std::unique_ptr<SceneData> data_;
 };
 
 }  // namespace lightcull

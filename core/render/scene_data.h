@@ -17,7 +17,7 @@ namespace lightcull {
 
 inline constexpr std::uint32_t kNone = 0xffffffffu;
 
-/// What the triangles of a mesh have in common; indices into the arrays of Scene::Impl.
+/// What the triangles of a mesh have in common; indices into the arrays of SceneData.
 struct MeshRecord {
     MaterialId material = 0;
     std::uint32_t first_position = 0;
@@ -30,7 +30,7 @@ struct TriangleRecord {
     std::uint32_t light = kNone;
 };
 
-struct Scene::Impl {
+struct SceneData {
     std::vector<Texture> textures;
     std::vector<Material> materials;
 
@@ -61,5 +61,13 @@ struct Scene::Impl {
                uvs[corner(triangle, 1) + shift] * u + uvs[corner(triangle, 2) + shift] * v;
     }
 };
+
+/// The inside of a scene, for the rooms of core that render it.
+inline const SceneData& data_of(const Scene& scene) noexcept {
+    return *scene.data_;
+}
+inline SceneData& data_of(Scene& scene) noexcept {
+    return *scene.data_;
+}
 
 }  // namespace lightcull
