@@ -19,7 +19,7 @@ import numpy as np
 
 from . import _core, checks
 from ._core import Error
-from .images import check_output, write_whole_file
+from .output_files import check_output, write_whole_file
 
 _MAGIC = b"lightcull checkpoint 1\n"
 _DIGEST_SIZE = 32

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from . import machine
 from ._core import Error
-from .images import check_writable
+from .output_files import check_writable
 from .reference import ReferenceOrder, reference_for
 from .render import Budget, Progress, ProgressCallback, RenderSettings
 from .report import Comparison, Reference, SamplerRun, write

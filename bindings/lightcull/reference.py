@@ -18,7 +18,7 @@ import numpy as np
 
 from . import machine
 from ._core import Error
-from .images import write_whole_file
+from .output_files import write_whole_file
 from .render import Budget, RenderSettings
 from .report import Reference
 from .report.metrics import relmse_of_mean

@@ -14,7 +14,7 @@ from conftest import Outcome, make_room
 from lightcull import _core, scenes
 from lightcull.bench import Row, bench
 from lightcull.cli import bench as command
-from lightcull.scenes.chance import Chance
+from lightcull.scenes.random_numbers import Chance
 
 Run = Callable[..., Outcome]
 SIZE = (32, 24)

@@ -18,8 +18,8 @@ from rich.table import Table
 from .. import scenes
 from .._core import Error
 from ..bench import DEFAULT_SAMPLERS, Row, bench
-from ..images import check_output, write_whole_file
 from ..loaders import example_scene, open_scene
+from ..output_files import check_output, write_whole_file
 from ..scene import Scene
 from ..scenes.lanterns import LIGHTS
 

@@ -19,10 +19,11 @@ from rich.table import Table
 from .. import _core, memory
 from .._core import Error
 from ..compare import DEFAULT_SAMPLERS, compare
-from ..images import apply_view, check_format, check_output, check_writable, make_folder
+from ..images import apply_view, check_format
 from ..loaders import open_scene
 from ..methods import compare_methods
 from ..methods.run import MOST_LIGHTS
+from ..output_files import check_output, check_writable, make_folder
 from ..render import RenderJob, RenderSettings, render
 from ..scene import Scene
 from ..virtual_lights import PATH, VirtualLightJob

@@ -14,8 +14,8 @@ from rich.table import Table
 
 from .. import selftest
 from .._core import Error
-from ..images import check_output, write_whole_file
-from ..selftest.model import Result, worst
+from ..output_files import check_output, write_whole_file
+from ..selftest.case import Result, worst
 
 
 def run(options: argparse.Namespace, arguments: Sequence[str], messages: Console) -> bool:

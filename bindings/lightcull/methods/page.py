@@ -12,7 +12,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from ..images import write_whole_file
+from ..output_files import write_whole_file
 from ..report import html, pictures, plots
 from ..report.write import file_stem
 from .model import Cell, MethodReport, Plot

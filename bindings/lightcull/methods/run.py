@@ -8,7 +8,7 @@ from pathlib import Path
 
 from .. import checks, machine
 from .._core import Error
-from ..images import check_writable
+from ..output_files import check_writable
 from ..render import RenderSettings
 from ..scene import Scene
 from ..virtual_lights import PATH, VirtualLightJob, check_method

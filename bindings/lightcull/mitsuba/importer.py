@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from .._core import Error
-from ..loaders.notes import Notes, UnsupportedWarning
+from ..loaders.unsupported import Notes, UnsupportedWarning
 from ..scene import Scene
 from .host import mitsuba
 

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from ..images import write_whole_file
+from ..output_files import write_whole_file
 
 RUN_COLUMNS = (
     "spp",

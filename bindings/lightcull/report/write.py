@@ -6,7 +6,7 @@ import io
 import re
 from pathlib import Path
 
-from ..images import write_whole_file
+from ..output_files import write_whole_file
 from . import html, pictures, plots, tables
 from .figures import compute
 from .model import Comparison

@@ -11,7 +11,7 @@ import numpy as np
 from .. import scenes
 from ..render import RenderJob, RenderSettings, render
 from ..scene import Scene
-from .model import Case, Cases, Finding
+from .case import Case, Cases, Finding
 
 _QUAD = np.array([[0, 1, 2], [0, 2, 3]], np.uint32)
 _NOISE = 6.0

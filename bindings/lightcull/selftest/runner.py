@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 
 from .. import _core
 from . import edges, furnace, lights, places
-from .model import ALL_TARGETS, Case, Result, worst
+from .case import ALL_TARGETS, Case, Result, worst
 
 
 def all_cases() -> list[Case]:

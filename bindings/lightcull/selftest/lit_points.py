@@ -1,11 +1,34 @@
-"""Lights and points that cases begin with, all from fixed seeds."""
+"""Lights and the points that they light: what cases begin with, all from fixed seeds."""
 
 from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
 from .. import _core
-from .samplers import Setting
+from ..sampler import LightSampler
+
+
+@dataclass(frozen=True, eq=False)
+class Setting:
+    """Lights, and points that are lit by them."""
+
+    lights: np.ndarray
+    """(N,) of dtype LIGHT."""
+    positions: np.ndarray
+    """float32 (M, 3), metres."""
+    normals: np.ndarray
+    """float32 (M, 3)."""
+
+    @cache  # noqa: B019 - as long as the setting
+    def sampler(self, description: str) -> LightSampler:
+        return LightSampler(self.lights, description)
+
+    def numbers(self, seed: int) -> np.ndarray:
+        """A random number for each point."""
+        return np.random.default_rng(seed).random(len(self.positions), np.float32)
 
 
 def floats(values: np.ndarray) -> np.ndarray:

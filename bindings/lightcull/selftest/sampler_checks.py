@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
-from functools import cache
 
 import numpy as np
 
 from .. import _core
 from ..sampler import LightSampler
-from .model import Finding
+from .case import Finding
+from .lit_points import Setting
 
 EPSILON = float(np.finfo(np.float32).eps) / 2
 """By which rounding a number to single precision may change it, relatively."""
@@ -27,26 +26,6 @@ _LEAST_SHARE = 0.01
 _ABSENT = 0.03
 """Share of the light at a point that may be absent from thousands of samples."""
 _POINTS = 12
-
-
-@dataclass(frozen=True, eq=False)
-class Setting:
-    """Lights, and points that are lit by them."""
-
-    lights: np.ndarray
-    """(N,) of dtype LIGHT."""
-    positions: np.ndarray
-    """float32 (M, 3), metres."""
-    normals: np.ndarray
-    """float32 (M, 3)."""
-
-    @cache  # noqa: B019 - as long as the setting
-    def sampler(self, description: str) -> LightSampler:
-        return LightSampler(self.lights, description)
-
-    def numbers(self, seed: int) -> np.ndarray:
-        """A random number for each point."""
-        return np.random.default_rng(seed).random(len(self.positions), np.float32)
 
 
 def probs_of_all(sampler: LightSampler, setting: Setting) -> np.ndarray:

@@ -1,15 +1,11 @@
-"""Shapes into scenes."""
+"""Shapes, materials and skies into scenes."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
+from ..scene import Scene
 from .geometry import Shape
-
-if TYPE_CHECKING:
-    from lightcull import Scene
 
 
 def add(scene: Scene, name: str, shape: Shape, material: int) -> None:

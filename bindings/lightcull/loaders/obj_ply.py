@@ -13,8 +13,8 @@ import trimesh
 from .._core import Error
 from ..scene import Scene
 from .meshes import Surface, add_geometry, parse, uvs_of
-from .notes import Notes
 from .textures import texels_of
+from .unsupported import Notes
 
 _OBJ_STATEMENTS = {"v", "vt", "vn", "f", "g", "o", "s", "usemtl", "mtllib"}
 """What is read, or changes nothing here (groups and smoothing)."""
