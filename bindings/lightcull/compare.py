@@ -63,6 +63,9 @@ def compare(
     in $XDG_CACHE_HOME/lightcull (or ~/.cache/lightcull). reference_seconds: its wall time; without
     it, 8 times what each sampler has.
 
+    What is returned has the images, what each sampler took, and as `figures` the errors, costs and
+    ratios: `lightcull.report.ComparisonFigures`, which is what report.json holds.
+
     folder: where a report is written: index.html, report.json, report.csv and images; None: none.
     command: what the report says made it. progress: called between passes.
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import json
 import signal
+from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
@@ -129,6 +130,7 @@ def test_report(room: lightcull.Scene, tmp_path: Path) -> None:
     assert report["samplers"]["culled"]["spp"] == 4
     assert report["samplers"]["uniform"]["ratio_to_uniform"] == 1
     assert set(stages) == {"reference", "uniform", "culled"}
+    assert json.loads(json.dumps(asdict(result.figures))) == report
     last_seconds, last_error = result.samplers["culled"].curve[-1]
     assert last_seconds == result.samplers["culled"].seconds
     assert last_error == relmse(result.samplers["culled"].image, result.reference.image)

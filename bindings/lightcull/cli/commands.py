@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 import shlex
 import warnings
 from collections.abc import Callable, Iterator, Sequence
@@ -22,9 +21,10 @@ from ..compare import DEFAULT_SAMPLERS, compare
 from ..images import apply_view, check_format
 from ..loaders import open_scene
 from ..methods import compare_methods
-from ..methods.run import MOST_LIGHTS
+from ..methods.studies import MOST_LIGHTS
 from ..output_files import check_output, check_writable, make_folder
 from ..render import RenderJob, RenderSettings, render
+from ..report import ComparisonFigures
 from ..scene import Scene
 from ..virtual_lights import PATH, VirtualLightJob
 from . import bench, selftest
@@ -171,12 +171,12 @@ def _compare(options: argparse.Namespace, arguments: Sequence[str], messages: Co
                 progress=bars,
                 **_shared(options),
             )
-    Console().print(_results(json.loads((folder / "report.json").read_text())))
+    Console().print(_results(comparison.figures))
     print(f"{folder / 'index.html'}" + (": interrupted" if comparison.interrupted else ""))
     return not comparison.interrupted
 
 
-def _results(report: dict[str, Any]) -> Table:
+def _results(report: ComparisonFigures) -> Table:
     columns = {
         "spp": ("spp", "{:,}"),
         "seconds": ("seconds", "{:.2f}"),
@@ -188,8 +188,8 @@ def _results(report: dict[str, Any]) -> Table:
     table = Table("sampler", box=SIMPLE)
     for heading in columns:
         table.add_column(heading, justify="right", no_wrap=True)
-    for name, figures in report["samplers"].items():
-        values = ((figures[key], form) for key, form in columns.values())
+    for name, figures in report.samplers.items():
+        values = ((getattr(figures, key), form) for key, form in columns.values())
         table.add_row(name, *("-" if v is None else form.format(v) for v, form in values))
     return table
 

@@ -14,7 +14,7 @@ from ..bench import DEFAULT_SIZE as BENCH_SIZE
 from ..bench import DEFAULT_THREADS as BENCH_THREADS
 from ..checks import MOST_32_BITS, MOST_64_BITS, MOST_PIXELS
 from ..compare import DEFAULT_SAMPLERS
-from ..methods.run import MOST_LIGHTS
+from ..methods.studies import MOST_LIGHTS
 from ..sampler import check_description
 from ..virtual_lights import METHODS, PATH, check_method
 from . import texts

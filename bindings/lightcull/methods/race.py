@@ -10,8 +10,8 @@ import numpy as np
 from ..render import RenderJob
 from ..subject import Job
 from ..virtual_lights import PATH, VirtualLightJob
+from .findings import Curve, Picture, Plot, Study, Table
 from .measure import DIRECT_SAMPLER, Bench, relative_rmse
-from .model import Curve, Picture, Plot, Study, Table
 
 _EFFORT = 16
 """Of the reference, as a multiple of what each method has."""
@@ -73,9 +73,7 @@ class _Racer:
             if method == PATH
             else VirtualLightJob(bench.scene, method, DIRECT_SAMPLER, bench.settings)
         )
-        self._direct = RenderJob(
-            bench.scene, DIRECT_SAMPLER, replace(bench.settings, max_depth=2)
-        )
+        self._direct = RenderJob(bench.scene, DIRECT_SAMPLER, replace(bench.settings, max_depth=2))
         self.curve: list[tuple[float, float]] = []
         self._reference = reference
         self._next_moment = 0.0

@@ -1,4 +1,4 @@
-"""What a comparison of samplers found, before any figure is worked out from it."""
+"""What samplers rendered, before any figure is worked out from it."""
 
 from __future__ import annotations
 
@@ -49,42 +49,3 @@ class SamplerRun:
     """Lights whose range or importance was computed, mean over shading points."""
     curve: list[tuple[float, float]] = field(default_factory=list)
     """(seconds, relMSE) as the image converged; seconds as above, set-up included."""
-
-
-@dataclass
-class Comparison:
-    """Samplers that rendered one scene, each for the same time."""
-
-    scene: str
-    """Name or path of the scene."""
-    width: int
-    """Pixels."""
-    height: int
-    """Pixels."""
-    max_depth: int
-    """Longest path, in edges: 2 is direct light only."""
-    threads: int
-    """Threads that each sampler had."""
-    seconds: float
-    """Time that each sampler was to have."""
-    machine: dict[str, str]
-    """What ran it, for people to read: processor, compiler, versions, number of lights..."""
-    reference: Reference
-    samplers: dict[str, SamplerRun]
-    """By description, in the order in which they are to be shown."""
-    command: str = ""
-    """Command line or Python call that made it; empty if not known."""
-    interrupted: bool = False
-    """Ctrl-C came before all had their time."""
-
-    def __post_init__(self) -> None:
-        wanted = (self.height, self.width, 3)
-        images = {f"sampler {name!r}": run.image for name, run in self.samplers.items()}
-        images["the reference"] = self.reference.image
-        for owner, image in images.items():
-            if np.shape(image) != wanted:
-                raise ValueError(f"image of {owner}: shape {np.shape(image)}, expected {wanted}")
-            if not np.isfinite(image).all():
-                raise ValueError(f"image of {owner}: has pixels that are not finite")
-        if not self.samplers:
-            raise ValueError("a comparison needs at least one sampler")

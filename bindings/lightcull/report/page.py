@@ -12,6 +12,7 @@ from typing import Any
 import jinja2
 
 from . import pictures, plots
+from .figures import ComparisonFigures
 
 REFERENCE = "reference"
 NARROW, THIN = "\u202f", "\u2009"
@@ -54,10 +55,10 @@ COST_COLUMNS = (
 )
 
 
-def render(figures: dict[str, Any], images: dict[str, dict[str, bytes]], view: str) -> str:
+def render(figures: ComparisonFigures, images: dict[str, dict[str, bytes]], view: str) -> str:
     """The page.
 
-    figures as from `figures.compute`; images: PNG files by layer ("image" or the key of an error
+    images: PNG files by layer ("image" or the key of an error
     map), then by name ("reference" or the sampler); view: what the images were made with.
     """
     environment = jinja2.Environment(
@@ -67,8 +68,8 @@ def render(figures: dict[str, Any], images: dict[str, dict[str, bytes]], view: s
         lstrip_blocks=True,
         undefined=jinja2.StrictUndefined,
     )
-    names, runs = list(figures["samplers"]), figures["samplers"].items()
-    return environment.get_template("template.html").render(
+    names, runs = list(figures.samplers), figures.samplers.items()
+    return environment.get_template("comparison.html").render(
         figures=figures,
         headline=_headline(figures),
         tables=[
@@ -80,10 +81,11 @@ def render(figures: dict[str, Any], images: dict[str, dict[str, bytes]], view: s
         plot=plots.to_svg(plots.error_against_time(figures)),
         layers=[{"key": "image", "title": "Image"}, *(vars(kind) for kind in pictures.ERROR_MAPS)],
         gradient=_gradient(),
-        scale=max(1, 1120 // figures["width"]),
+        scale=max(1, 1120 // figures.width),
         values={
             kind.key: {
-                name: f"{kind.figure} {significant(run[kind.figure_key])}" for name, run in runs
+                name: f"{kind.figure} {significant(getattr(run, kind.figure_key))}"
+                for name, run in runs
             }
             for kind in pictures.ERROR_MAPS
         },
@@ -118,39 +120,40 @@ def _superscript(number: int) -> str:
     return str(number).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
 
 
-def _ranked(figures: dict[str, Any]) -> list[str]:
+def _ranked(figures: ComparisonFigures) -> list[str]:
     """Samplers from the least to the most efficient."""
-    samplers = figures["samplers"]
-    return sorted(samplers, key=lambda name: samplers[name]["efficiency"] or math.inf)
+    samplers = figures.samplers
+    return sorted(samplers, key=lambda name: samplers[name].efficiency or math.inf)
 
 
-def _first_pair(figures: dict[str, Any]) -> tuple[str, str]:
+def _first_pair(figures: ComparisonFigures) -> tuple[str, str]:
     """What the page shows at first, left and right: the worst and the best."""
     ranked = _ranked(figures)
     return (ranked[0], ranked[-1]) if len(ranked) > 1 else (ranked[0], REFERENCE)
 
 
-def _headline(figures: dict[str, Any]) -> str:
+def _headline(figures: ComparisonFigures) -> str:
     """One sentence on who won by how much."""
-    samplers = figures["samplers"]
+    samplers = figures.samplers
     best = _ranked(figures)[-1]
     run = samplers[best]
     gains = [
         f"{significant(ratio, 2)} times {baseline}"
         for baseline in ("uniform", "light_bvh")
-        if baseline != best and (ratio := run[f"ratio_to_{baseline}"]) is not None
+        if baseline != best and (ratio := getattr(run, f"ratio_to_{baseline}")) is not None
     ]
     if not gains:
         return f"{best} is the most efficient of {len(samplers)}" if len(samplers) > 1 else best
     return f"{best} is " + " and ".join(gains) + " in efficiency"
 
 
-def _rows(figures: dict[str, Any], columns: Sequence[Column]) -> list[dict[str, Any]]:
+def _rows(figures: ComparisonFigures, columns: Sequence[Column]) -> list[dict[str, Any]]:
     """A row of a table for each sampler: its cells' text, and which are the best."""
-    samplers = figures["samplers"]
+    samplers = figures.samplers
     best = {}
     for column in columns:
-        values = [run[column.key] for run in samplers.values() if run[column.key] is not None]
+        all_values = (getattr(run, column.key) for run in samplers.values())
+        values = [value for value in all_values if value is not None]
         if column.better and len(samplers) > 1 and values:
             best[column.key] = max(values) if column.better == "high" else min(values)
     return [
@@ -158,8 +161,8 @@ def _rows(figures: dict[str, Any], columns: Sequence[Column]) -> list[dict[str, 
             "name": name,
             "cells": [
                 {
-                    "text": _text(run[column.key], column.unit),
-                    "best": column.key in best and run[column.key] == best[column.key],
+                    "text": _text(getattr(run, column.key), column.unit),
+                    "best": column.key in best and getattr(run, column.key) == best[column.key],
                 }
                 for column in columns
             ],
@@ -168,10 +171,10 @@ def _rows(figures: dict[str, Any], columns: Sequence[Column]) -> list[dict[str, 
     ]
 
 
-def _near_floor(figures: dict[str, Any]) -> list[str]:
+def _near_floor(figures: ComparisonFigures) -> list[str]:
     """Samplers whose error is not well above that of the reference."""
-    floor = figures["reference"]["relmse_of_itself"] or 0.0
-    return [name for name, run in figures["samplers"].items() if (run["relmse"] or 0) < 10 * floor]
+    floor = figures.reference.relmse_of_itself or 0.0
+    return [name for name, run in figures.samplers.items() if (run.relmse or 0) < 10 * floor]
 
 
 def _gradient() -> str:
@@ -180,7 +183,7 @@ def _gradient() -> str:
 
 
 def _script_data(
-    names: list[str], images: dict[str, dict[str, bytes]], figures: dict[str, Any]
+    names: list[str], images: dict[str, dict[str, bytes]], figures: ComparisonFigures
 ) -> str:
     """What the page's script reads. JSON in a <script> must not hold "</"."""
     encoded = {
@@ -196,7 +199,7 @@ def _script_data(
         "left": left,
         "right": right,
         "images": encoded,
-        "width": figures["width"],
-        "height": figures["height"],
+        "width": figures.width,
+        "height": figures.height,
     }
     return json.dumps(data).replace("</", "<\\/")

@@ -1,4 +1,4 @@
-"""lightcull compare --methods."""
+"""All studies of a comparison of methods: `lightcull compare --methods`."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from ..output_files import check_writable
 from ..render import RenderSettings
 from ..scene import Scene
 from ..virtual_lights import PATH, VirtualLightJob, check_method
-from . import hierarchy, page, race, scaling, volumes
+from . import hierarchy, methods_page, race, scaling, volumes
+from .findings import MethodReport
 from .measure import Bench
-from .model import MethodReport
 
 MOST_LIGHTS = 1048576
 
@@ -74,5 +74,5 @@ def compare_methods(
     )
     result = MethodReport(scene.name, *size, command, machine.describe(), studies)
     if folder is not None:
-        page.write(result, Path(folder))
+        methods_page.write(result, Path(folder))
     return result

@@ -12,18 +12,17 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
+from ..images import view_names, write_exr
 from ..output_files import write_whole_file
-from ..report import html, pictures, plots
+from ..report import page, pictures, plots
 from ..report.write import file_stem
-from .model import Cell, MethodReport, Plot
+from .findings import Cell, MethodReport, Plot
 
 
 def write(report: MethodReport, folder: Path) -> Path:
     """Writes all of it; returns the path of index.html."""
-    import lightcull
-
     images: dict[str, str] = {}
-    view = lightcull.view_names()[0]
+    view = view_names()[0]
     for study in report.studies:
         if not study.pictures:
             continue
@@ -37,7 +36,7 @@ def write(report: MethodReport, folder: Path) -> Path:
             )
             write_whole_file(folder / f"{stem}.png", png)
             if not picture.is_chart:
-                lightcull.write_exr(str(folder / f"{stem}.exr"), picture.image.astype(np.float32))
+                write_exr(str(folder / f"{stem}.exr"), picture.image.astype(np.float32))
             images[picture.name] = base64.b64encode(png).decode("ascii")
     write_whole_file(
         folder / "methods.json", (json.dumps(report.figures(), indent=2) + "\n").encode()
@@ -49,7 +48,7 @@ def write(report: MethodReport, folder: Path) -> Path:
         lstrip_blocks=True,
         undefined=jinja2.StrictUndefined,
     )
-    text = environment.get_template("template.html").render(
+    text = environment.get_template("methods.html").render(
         report=report,
         images=images,
         plots={s.key: plots.to_svg(draw(s.plot)) for s in report.studies if s.plot is not None},
@@ -84,5 +83,5 @@ def _cell(value: Cell) -> str:
     if isinstance(value, str):
         return value
     if isinstance(value, int):
-        return f"{value:,}".replace(",", html.NARROW)
-    return html.significant(value)
+        return f"{value:,}".replace(",", page.NARROW)
+    return page.significant(value)
