@@ -16,7 +16,7 @@ import pytest
 
 import lightcull
 from conftest import Outcome, make_room
-from lightcull import checkpoint
+from lightcull.rendering import checkpoint
 
 SIZE = (48, 32)
 PLACE = Path(__file__).parent
@@ -230,7 +230,7 @@ def test_a_disk_that_fills_up_at_any_byte(tmp_path: Path, limit: int) -> None:
 KILLED = """
 import os, random, signal, sys, time
 from pathlib import Path
-from lightcull import checkpoint
+from lightcull.rendering import checkpoint
 from test_checkpoint import render
 
 def go_on(file):

@@ -17,22 +17,26 @@ from rich.table import Table
 
 from .. import _core, memory
 from .._core import Error
-from ..compare import DEFAULT_SAMPLERS, compare
+from ..comparing.compare import DEFAULT_SAMPLERS, compare
 from ..images import apply_view, check_format
 from ..loaders import open_scene
 from ..methods import compare_methods
 from ..methods.studies import MOST_LIGHTS
 from ..output_files import check_output, check_writable, make_folder
-from ..render import RenderJob, RenderSettings, render
+from ..rendering.memory_need import MemoryNeed, memory_need
+from ..rendering.method import PATH
+from ..rendering.path_job import PathJob
+from ..rendering.render import render
+from ..rendering.settings import RenderSettings
+from ..rendering.virtual_light_job import VirtualLightJob
 from ..report import ComparisonFigures
 from ..scene import Scene
-from ..virtual_lights import PATH, VirtualLightJob
 from . import bench, selftest
 from .bars import Bars
 from .texts import one_line
 
 if TYPE_CHECKING:
-    from ..mitsuba.scene import MitsubaScene
+    from ..mitsuba.mitsuba_scene import MitsubaScene
 
 _SIZE, _MAX_DEPTH = (320, 240), 2
 _BOUNCED_DEPTH = 3
@@ -92,7 +96,8 @@ def _open(options: argparse.Namespace) -> Scene | MitsubaScene:
         raise Error(f"{options.scene}: --host mitsuba is for an .xml scene of Mitsuba's")
     if options.virtual_lights is not None:
         raise Error(f"{options.scene}: --virtual-lights is not for a scene of Mitsuba's")
-    from ..mitsuba.scene import DEFAULT_VARIANT, depth_of_file, load_file
+    # Here, because importing it wants Mitsuba, which is optional.
+    from ..mitsuba.mitsuba_scene import DEFAULT_VARIANT, depth_of_file, load_file
 
     scene = load_file(options.scene, options.variant or DEFAULT_VARIANT)
     options.size = options.size or scene.size
@@ -202,11 +207,11 @@ def _info(options: argparse.Namespace, arguments: Sequence[str], messages: Conso
         scene = _open_ours(options)
     # Before anything else takes memory that a render does not.
     job = (
-        RenderJob(scene, options.sampler, settings)
+        PathJob(scene, options.sampler, settings)
         if by_paths
         else VirtualLightJob(scene, options.method, options.sampler, settings)
     )
-    need = memory.of_render(job, settings.size)
+    need = memory_need(job, settings.size)
     table = Table(show_header=False, box=None)
     ways = options.sampler if by_paths else f"{options.sampler} and {options.method}"
     memory_fact = ("memory", _memory(need, ways, settings))
@@ -229,7 +234,7 @@ def _devices() -> Iterator[tuple[str, str]]:
         yield "no device" if problem else "device", what
 
 
-def _memory(need: memory.Need, ways: str, settings: RenderSettings) -> str:
+def _memory(need: MemoryNeed, ways: str, settings: RenderSettings) -> str:
     width, height = settings.size
     parts = {
         "program": need.program,

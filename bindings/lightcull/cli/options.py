@@ -13,10 +13,10 @@ from ..bench import DEFAULT_SAMPLERS as BENCH_SAMPLERS
 from ..bench import DEFAULT_SIZE as BENCH_SIZE
 from ..bench import DEFAULT_THREADS as BENCH_THREADS
 from ..checks import MOST_32_BITS, MOST_64_BITS, MOST_PIXELS
-from ..compare import DEFAULT_SAMPLERS
+from ..comparing.compare import DEFAULT_SAMPLERS
 from ..methods.studies import MOST_LIGHTS
+from ..rendering.method import METHODS, PATH, check_method
 from ..sampler import check_description
-from ..virtual_lights import METHODS, PATH, check_method
 from . import texts
 
 MITSUBA_PATH = "path"

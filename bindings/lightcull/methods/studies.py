@@ -9,9 +9,10 @@ from pathlib import Path
 from .. import checks, machine
 from .._core import Error
 from ..output_files import check_writable
-from ..render import RenderSettings
+from ..rendering.method import PATH, check_method
+from ..rendering.settings import RenderSettings
+from ..rendering.virtual_light_job import VirtualLightJob
 from ..scene import Scene
-from ..virtual_lights import PATH, VirtualLightJob, check_method
 from . import hierarchy, methods_page, race, scaling, volumes
 from .findings import MethodReport
 from .measure import Bench

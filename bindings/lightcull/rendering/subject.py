@@ -5,47 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Protocol
 
-import numpy as np
-
-from . import _core
-from .render import RenderJob, RenderSettings, Stats
-from .sampler import check_description
-from .scene import Scene
+from ..sampler import check_description
+from ..scene import Scene
+from .job import CountingJob
+from .path_job import PathJob
+from .settings import RenderSettings
 
 _CULLED, _CLUSTERS = "culled", "light_bvh:importance=means"
 """The samplers of least noise for many lights."""
 _FEW_LIGHTS = 200
 """With so few, weighing all of them for each point costs little."""
-
-
-class Job(Protocol):
-    """A render that goes pass by pass, and its clock."""
-
-    @property
-    def sampler(self) -> str:
-        """Its description."""
-
-    def render_pass(self) -> None:
-        """Adds some samples to every pixel."""
-
-    def image(self) -> np.ndarray:
-        """The mean of the samples so far: float32 (H, W, 3)."""
-
-    def mean_counts(self) -> Counts:
-        """Mean cost of one selection; not a number where nobody counts."""
-
-    def stats(self) -> Stats: ...
-
-
-class Counts(Protocol):
-    """As `_core.MeanCounts`."""
-
-    @property
-    def accepted(self) -> float: ...
-    @property
-    def nodes_visited(self) -> float: ...
-    @property
-    def lights_tested(self) -> float: ...
 
 
 class Subject(Protocol):
@@ -61,7 +30,9 @@ class Subject(Protocol):
     def check_sampler(self, description: str) -> None:
         """Raises Error for a description that is not one of a sampler."""
 
-    def new_job(self, sampler: str, settings: RenderSettings, spp: int | None = None) -> Job:
+    def new_job(
+        self, sampler: str, settings: RenderSettings, spp: int | None = None
+    ) -> CountingJob:
         """spp: how many samples it will be asked for; None: that depends on time."""
 
     def reference_samplers(self, under_test: Sequence[str]) -> tuple[str, str]:
@@ -85,8 +56,8 @@ class OwnSubject:
     def check_sampler(self, description: str) -> None:
         check_description(description)
 
-    def new_job(self, sampler: str, settings: RenderSettings, spp: int | None = None) -> RenderJob:
-        return RenderJob(self._scene, sampler, settings)
+    def new_job(self, sampler: str, settings: RenderSettings, spp: int | None = None) -> PathJob:
+        return PathJob(self._scene, sampler, settings)
 
     def reference_samplers(self, under_test: Sequence[str]) -> tuple[str, str]:
         return samplers_of_reference(under_test, self.light_count)

@@ -4,29 +4,22 @@ from __future__ import annotations
 
 import hashlib
 import importlib
-import math
 import os
-import time
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
-import numpy as np
-
 from .._core import Error
-from ..render import RenderSettings, Stats
-from ..subject import best_not_under_test
+from ..rendering.settings import RenderSettings
+from ..rendering.subject import best_not_under_test
 from .host import build_digest, mitsuba
+from .mitsuba_job import MitsubaJob
 
 PATH = "path"
 """Mitsuba's own integrator, as one of the samplers."""
 ANY_DEPTH = 2**31 - 1
 DEFAULT_VARIANT = "scalar_rgb"
-_SECONDS_PER_PASS = 0.5
-"""A pass is a render call, which has a set-up: it is made of as many samples as take this long, and
-more where the set-up is long."""
 
 
 class MitsubaScene:
@@ -62,11 +55,10 @@ class MitsubaScene:
     def check_sampler(self, description: str) -> None:
         self._integrator(description, 1)
 
-    def new_job(
-        self, sampler: str, settings: RenderSettings, spp: int | None = None
-    ) -> MitsubaJob:
+    def new_job(self, sampler: str, settings: RenderSettings, spp: int | None = None) -> MitsubaJob:
         self._set_size(settings.size)
         if settings.threads:
+            # Dr.Jit comes with Mitsuba, which is optional.
             importlib.import_module("drjit").set_thread_count(settings.threads)
         integrator = self._integrator(sampler, settings.max_depth)
         return MitsubaJob(sampler, self.scene, integrator, settings.seed, spp)
@@ -89,9 +81,7 @@ class MitsubaScene:
         parameters["film.crop_offset"] = scaled["crop_offset"]
         parameters["film.size"] = [
             max(whole, offset + part)
-            for whole, offset, part in zip(
-                scaled["size"], scaled["crop_offset"], size, strict=True
-            )
+            for whole, offset, part in zip(scaled["size"], scaled["crop_offset"], size, strict=True)
         ]
         parameters.update()
         if self.size != size:
@@ -110,65 +100,6 @@ class MitsubaScene:
         except RuntimeError as error:
             reason = str(error).splitlines()[0].rsplit("] ", 1)[-1]
             raise Error(f"sampler {description!r}: {reason}") from error
-
-
-class MitsubaJob:
-    """A render that goes pass by pass, and its clock."""
-
-    def __init__(
-        self, sampler: str, scene: Any, integrator: Any, seed: int, spp: int | None
-    ) -> None:
-        self.sampler = sampler
-        self._scene, self._integrator = scene, integrator
-        # Far from the seeds of another job with the seed next to it.
-        self._seed = int.from_bytes(hashlib.blake2b(str(seed).encode(), digest_size=3).digest())
-        self._asked_for = spp or 2**32
-        self._sum: Any = 0.0
-        self._spp = self._passes = 0
-        self._pass_spp = 1
-        self._seconds = 0.0
-
-    def render_pass(self) -> None:
-        spp = max(min(self._pass_spp, self._asked_for - self._spp), 1)
-        start = time.perf_counter()
-        seed = (self._seed << 8) + self._passes
-        image = mitsuba().render(self._scene, integrator=self._integrator, spp=spp, seed=seed)
-        pixels = np.array(image, np.float64)[..., :3]
-        seconds = time.perf_counter() - start
-        self._sum = self._sum + spp * pixels
-        self._spp += spp
-        self._passes += 1
-        self._seconds += seconds
-        if seconds < 0.5 * _SECONDS_PER_PASS:
-            self._pass_spp *= 2
-
-    def image(self) -> np.ndarray:
-        mean: np.ndarray = (self._sum / self._spp).astype(np.float32)
-        return mean
-
-    def mean_counts(self) -> NoCounts:
-        return NoCounts()
-
-    def stats(self) -> Stats:
-        """Of which Mitsuba tells only samples and seconds."""
-        return Stats(
-            spp=self._spp,
-            seconds=self._seconds,
-            setup_seconds=0.0,
-            selection_seconds=math.nan,
-            selections=0,
-            rays=0,
-            sampler_seconds=math.nan,
-        )
-
-
-@dataclass(frozen=True)
-class NoCounts:
-    """Nobody counts inside Mitsuba."""
-
-    accepted: float = math.nan
-    nodes_visited: float = math.nan
-    lights_tested: float = math.nan
 
 
 def load_file(path: str | os.PathLike[str], variant: str = DEFAULT_VARIANT) -> MitsubaScene:

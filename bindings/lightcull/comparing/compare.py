@@ -7,15 +7,17 @@ import warnings
 from collections.abc import Sequence
 from pathlib import Path
 
-from . import machine
-from ._core import Error
-from .output_files import check_writable
+from .. import machine
+from .._core import Error
+from ..output_files import check_writable
+from ..rendering.budget import Budget
+from ..rendering.progress import Progress, ProgressCallback
+from ..rendering.settings import RenderSettings
+from ..rendering.subject import OwnSubject, Subject
+from ..report import Comparison, Reference, SamplerRun, write
+from ..scene import Scene
+from .contender import Contender
 from .reference import ReferenceOrder, reference_for
-from .render import Budget, Progress, ProgressCallback, RenderSettings
-from .report import Comparison, Reference, SamplerRun, write
-from .report.metrics import relmse
-from .scene import Scene
-from .subject import Job, OwnSubject, Subject
 
 SAMPLERS = ("uniform", "power", "light_bvh", "exhaustive", "clamped", "culled", "paper")
 """Names of the samplers. Only `clamped` is biased."""
@@ -29,8 +31,6 @@ _TOLERANCE = 1.03
 """Longest render time over shortest."""
 _PATIENCE = 2
 """How much more of the budget may be used up to get there."""
-_MOMENT_RATIO = 1.3
-"""Between one moment at which the error is taken and the next."""
 _REFERENCE_EFFORT = 8
 """Of the reference, as a multiple of what each sampler has."""
 _REFERENCE_NOISE = 0.2
@@ -93,56 +93,6 @@ def compare(
     return result
 
 
-class _Contender:
-    """A sampler under test: its render, and the error so far."""
-
-    def __init__(self, job: Job, budget: Budget, reference: Reference) -> None:
-        self.job = job
-        self._budget = budget
-        self._reference = reference
-        self._curve: list[tuple[float, float]] = []
-        self._next_moment = 0.0
-
-    @property
-    def used(self) -> float:
-        """How much of the budget; 0 before the first pass."""
-        stats = self.job.stats()
-        return self._budget.used(stats) if stats.spp > 0 else 0.0
-
-    def render_pass(self) -> None:
-        """Renders a pass, and takes the error if it is time to."""
-        self.job.render_pass()
-        if self.job.stats().seconds >= self._next_moment:
-            self._take_error()
-
-    def finish(self) -> None:
-        """Takes the error at the end."""
-        if self._curve and self.job.stats().seconds > self._curve[-1][0]:
-            self._take_error()
-
-    def result(self) -> SamplerRun:
-        stats, counts = self.job.stats(), self.job.mean_counts()
-        return SamplerRun(
-            image=self.job.image(),
-            spp=stats.spp,
-            seconds=stats.seconds,
-            setup_seconds=stats.setup_seconds,
-            selection_seconds=stats.selection_seconds,
-            sampler_seconds=stats.sampler_seconds,
-            selections=stats.selections,
-            rays=stats.rays,
-            accepted_per_point=counts.accepted,
-            nodes_per_point=counts.nodes_visited,
-            lights_tested_per_point=counts.lights_tested,
-            curve=list(self._curve),
-        )
-
-    def _take_error(self) -> None:
-        seconds = self.job.stats().seconds
-        self._curve.append((seconds, relmse(self.job.image(), self._reference.image)))
-        self._next_moment = seconds * _MOMENT_RATIO
-
-
 class _Comparing:
     """A comparison under way."""
 
@@ -159,7 +109,7 @@ class _Comparing:
         self._settings = settings
         self._budget = budget
         self._progress = progress
-        self._contenders: list[_Contender] = []
+        self._contenders: list[Contender] = []
         self._interrupted = False
 
     def reference(self, seconds: float | None) -> Reference:
@@ -183,7 +133,7 @@ class _Comparing:
         try:
             for sampler in self._samplers:
                 job = self._scene.new_job(sampler, self._settings, self._budget.spp)
-                self._contenders.append(_Contender(job, self._budget, reference))
+                self._contenders.append(Contender(job, self._budget, reference))
             while (contender := self._next()) is not None:
                 self._give_turn(contender)
         except KeyboardInterrupt:
@@ -212,7 +162,7 @@ class _Comparing:
             interrupted=self._interrupted,
         )
 
-    def _next(self) -> _Contender | None:
+    def _next(self) -> Contender | None:
         """Who is to go on; nobody when all have had the same."""
         least = min(self._contenders, key=lambda c: c.used)
         if least.used < self._budget.total:
@@ -222,11 +172,13 @@ class _Comparing:
             return None
         if least.used > _PATIENCE * self._budget.total:
             gap = most / least.used - 1
-            warnings.warn(f"render times differ by {gap:.0%}: one pass takes too long", stacklevel=4)
+            warnings.warn(
+                f"render times differ by {gap:.0%}: one pass takes too long", stacklevel=4
+            )
             return None
         return least
 
-    def _give_turn(self, contender: _Contender) -> None:
+    def _give_turn(self, contender: Contender) -> None:
         """Lets it render for a while: one pass at least."""
         until = self._end_of_turn(contender)
         while True:
@@ -235,7 +187,7 @@ class _Comparing:
             if contender.used >= until:
                 return
 
-    def _end_of_turn(self, contender: _Contender) -> float:
+    def _end_of_turn(self, contender: Contender) -> float:
         total = self._budget.total
         if contender.used >= total:
             return max(c.used for c in self._contenders)
@@ -244,7 +196,7 @@ class _Comparing:
             turn = min(turn, _LONGEST_TURN)
         return min(contender.used + turn, total)
 
-    def _report(self, contender: _Contender) -> None:
+    def _report(self, contender: Contender) -> None:
         if self._progress is None:
             return
         end = max(self._budget.total, *(c.used for c in self._contenders))

@@ -16,13 +16,15 @@ from zipfile import BadZipFile
 
 import numpy as np
 
-from . import machine
-from ._core import Error
-from .output_files import write_whole_file
-from .render import Budget, RenderSettings
-from .report import Reference
-from .report.metrics import relmse_of_mean
-from .subject import Job, Subject
+from .. import machine
+from .._core import Error
+from ..output_files import write_whole_file
+from ..rendering.budget import Budget
+from ..rendering.job import Job
+from ..rendering.settings import RenderSettings
+from ..rendering.subject import Subject
+from ..report import Reference
+from ..report.metrics import relmse_of_mean
 
 ReferenceProgress: TypeAlias = Callable[[float, int, float], None]
 

@@ -3,28 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from . import _core, checks, memory
-from ._core import Error
-
-if TYPE_CHECKING:
-    from .render import RenderSettings, Stats
-    from .scene import Scene
-
-PATH = "path"
-"""The method that is the path tracer."""
-METHODS = (PATH, "vpl_all", "vpl_culled", "vpl_clamped", "vpl_grid")
-"""Names of the methods. `vpl_clamped` is biased."""
-
-
-def check_method(description: str) -> str:
-    """Returns the description of a method. Raises Error if it is none."""
-    if checks.text("method", description) != PATH:
-        _core.check_virtual_light_method(description)
-    return description
+from .. import _core, checks, memory
+from .._core import Error
+from ..scene import Scene
+from .method import check_method
+from .settings import RenderSettings
+from .statistics import Stats
 
 
 @dataclass(frozen=True)
@@ -86,8 +73,6 @@ class VirtualLightJob:
         return self._renderer.image()
 
     def stats(self) -> Stats:
-        from .render import Stats
-
         return Stats.of(self._renderer.stats(), self._renderer.setup_seconds())
 
     def memory_size(self) -> tuple[_core.SceneMemory, _core.RendererMemory, int]:

@@ -17,9 +17,9 @@ from pathlib import Path
 
 import numpy as np
 
-from . import _core, checks
-from ._core import Error
-from .output_files import check_output, write_whole_file
+from .. import _core, checks
+from .._core import Error
+from ..output_files import check_output, write_whole_file
 
 _MAGIC = b"lightcull checkpoint 1\n"
 _DIGEST_SIZE = 32
