@@ -309,14 +309,14 @@ def test_ctrl_c_twice_leaves_the_last_checkpoint(
 
 INTERRUPTED = """
 import os, signal, sys
-from lightcull.cli import bars, main
-shown = bars.Bars.__call__
+from lightcull.cli import main, progress_bars
+shown = progress_bars.Bars.__call__
 def show(self, progress):
     shown(self, progress)
     if progress.spp == 3:
         for _ in range({times}):
             os.kill(os.getpid(), signal.SIGINT)
-bars.Bars.__call__ = show
+progress_bars.Bars.__call__ = show
 sys.exit(main())
 """
 

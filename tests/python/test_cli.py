@@ -21,13 +21,13 @@ TINY = ("--size", "32x24", "--spp", "2")
 
 INTERRUPTED_IN_TURN = """
 import os, signal, sys
-from lightcull.cli import bars, main
-shown = bars.Bars.__call__
+from lightcull.cli import main, progress_bars
+shown = progress_bars.Bars.__call__
 def show(self, progress):
     shown(self, progress)
     if progress.stage == "{stage}":
         os.kill(os.getpid(), signal.SIGINT)
-bars.Bars.__call__ = show
+progress_bars.Bars.__call__ = show
 sys.exit(main())
 """
 

@@ -2,41 +2,27 @@
 
 from __future__ import annotations
 
-import argparse
 import json
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict
-from functools import partial
 from itertools import groupby
-from pathlib import Path
-from typing import TypeAlias
 
 from rich.box import SIMPLE
 from rich.console import Console
 from rich.table import Table
 
-from .. import scenes
-from .._core import Error
-from ..bench import DEFAULT_SAMPLERS, Row, bench
-from ..loaders import example_scene, open_scene
-from ..output_files import check_output, write_whole_file
+from ..bench import Row, bench
+from ..output_files import write_whole_file
 from ..scene import Scene
-from ..scenes.lanterns import LIGHTS
-
-SERIES = "series"
-SERIES_LIGHTS = (1_000, 10_000, LIGHTS, 250_000, 1_000_000)
-
-SceneMaker: TypeAlias = Callable[[], Scene]
+from .options import BenchOptions
 
 
-def run(options: argparse.Namespace, messages: Console) -> bool:
+def run(options: BenchOptions, messages: Console) -> bool:
     """Measures, prints a table for each scene and writes the JSON. False if Ctrl-C ended it."""
-    if options.json is not None:
-        check_output(options.json)
     rows: list[Row] = []
     completed = True
     try:
-        for make_scene in _scenes(options.scenes):
+        for make_scene in options.scenes:
             _bench(make_scene(), options, messages, rows)
     except KeyboardInterrupt:
         if not rows:
@@ -48,14 +34,14 @@ def run(options: argparse.Namespace, messages: Console) -> bool:
     return completed
 
 
-def _bench(scene: Scene, options: argparse.Namespace, messages: Console, rows: list[Row]) -> None:
+def _bench(scene: Scene, options: BenchOptions, messages: Console, rows: list[Row]) -> None:
     """Adds the rows of a scene, as far as they go, and prints them."""
     first = len(rows)
     try:
         with messages.status(scene.name) as status:
             for row in bench(
                 scene,
-                options.samplers or DEFAULT_SAMPLERS,
+                options.samplers,
                 size=options.size,
                 threads=options.threads,
                 targets=options.targets,
@@ -65,26 +51,6 @@ def _bench(scene: Scene, options: argparse.Namespace, messages: Console, rows: l
                 rows.append(row)
     finally:
         _print(rows[first:])
-
-
-def _scenes(names: Sequence[str]) -> list[SceneMaker]:
-    """What makes the scenes, each once. Files are read at once, so that errors come at once."""
-    makers: dict[tuple[str, int], SceneMaker] = {}
-    for name in names or [*scenes.NAMES, SERIES]:
-        if name == SERIES:
-            for lights in SERIES_LIGHTS:
-                make = partial(scenes.build, "lanterns", lights=lights)
-                makers[("lanterns", lights)] = make
-        elif name in scenes.NAMES:
-            lights = LIGHTS if name == "lanterns" else 0
-            makers[(name, lights)] = partial(example_scene, name)
-        else:
-            makers[(name, 0)] = partial(_same, open_scene(name))
-    return list(makers.values())
-
-
-def _same(scene: Scene) -> Scene:
-    return scene
 
 
 _COLUMNS = ("batch", "per s", "single", "ray", "nodes", "lights", "refit", "build s", "B/light")

@@ -6,12 +6,6 @@ from ..scenes import NAMES
 
 _SCENES = "\n".join(f"  {name:10} {description}" for name, description in NAMES.items())
 
-
-def one_line(text: object) -> str:
-    """What is said in one line, whatever names of files are in it."""
-    return " ".join(str(text).splitlines())
-
-
 OVERVIEW = f"""\
 Renders scenes lit by up to millions of lights, and compares the ways to choose among them.
 

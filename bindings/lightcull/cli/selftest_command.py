@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import json
 import math
 from collections.abc import Sequence
@@ -14,14 +13,13 @@ from rich.table import Table
 
 from .. import selftest
 from .._core import Error
-from ..output_files import check_output, write_whole_file
+from ..output_files import write_whole_file
 from ..selftest.case import Result, worst
+from .options import SelftestOptions
 
 
-def run(options: argparse.Namespace, arguments: Sequence[str], messages: Console) -> bool:
+def run(options: SelftestOptions, messages: Console) -> bool:
     """Runs the hard cases, prints a table of them and writes the JSON. Throws Error if one fails."""
-    if options.json is not None:
-        check_output(options.json)
     results: list[Result] = []
     with messages.status("") as status:
         for result in selftest.run(progress=status.update):
