@@ -9,7 +9,7 @@ import numpy as np
 
 
 class SceneDigest:
-    """Of all that was added to a scene, in its order."""
+    """Hashes all that is added to a scene, in its order."""
 
     def __init__(self) -> None:
         self._hash = hashlib.blake2b(digest_size=16)

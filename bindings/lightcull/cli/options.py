@@ -28,7 +28,7 @@ from .scene_option import BOUNCED_DEPTH, MAX_DEPTH, SIZE, AnyScene, open_any, op
 
 @dataclass(frozen=True)
 class RenderOptions:
-    """What is not said here is as in `lightcull.render`."""
+    """A render. What is not said here is as in `lightcull.render`."""
 
     scene: AnyScene
     sampler: str
@@ -41,9 +41,9 @@ class RenderOptions:
     threads: int
     output: Path
     view: str | None
-    """Of a .png; None: the first."""
+    """The view of a .png; None: the first."""
     exposure: float
-    """Stops."""
+    """The exposure of a .png, stops."""
     checkpoint: str | None
     every: float | None
     resume: str | None
@@ -51,7 +51,7 @@ class RenderOptions:
 
 @dataclass(frozen=True)
 class CompareOptions:
-    """What is not said here is as in `lightcull.compare`."""
+    """A comparison of samplers. What is not said here is as in `lightcull.compare`."""
 
     scene: AnyScene
     samplers: tuple[str, ...]
@@ -68,7 +68,7 @@ class CompareOptions:
 
 @dataclass(frozen=True)
 class CompareMethodsOptions:
-    """As in `lightcull.compare_methods`."""
+    """A comparison of methods. The fields are as in `lightcull.compare_methods`."""
 
     scene: Scene
     methods: tuple[str, ...]
@@ -84,7 +84,7 @@ class CompareMethodsOptions:
 
 @dataclass(frozen=True)
 class InfoOptions:
-    """Of a render that is only set up."""
+    """What is asked about: a scene, and a render of it that is only set up."""
 
     scene: Scene
     sampler: str
@@ -94,7 +94,7 @@ class InfoOptions:
 
 @dataclass(frozen=True)
 class BenchOptions:
-    """What is not said here is as in `lightcull.bench.bench`."""
+    """Measurements of selections. What is not said here is as in `lightcull.bench.bench`."""
 
     scenes: tuple[SceneMaker, ...]
     samplers: tuple[str, ...]
@@ -103,15 +103,15 @@ class BenchOptions:
     targets: tuple[str, ...] | None
     device: str
     json: Path | None
-    """Where the rows go."""
+    """The file that the rows go to; None: none."""
 
 
 @dataclass(frozen=True)
 class SelftestOptions:
-    """Of the hard cases."""
+    """A run of the hard cases."""
 
     json: Path | None
-    """Where the results go."""
+    """The file that the results go to; None: none."""
 
 
 Options: TypeAlias = (
@@ -248,7 +248,7 @@ def _json_file(parsed: argparse.Namespace) -> Path | None:
 
 
 def _seconds(parsed: argparse.Namespace) -> float | None:
-    """None where samples per pixel are given instead."""
+    """The render time; None where samples per pixel are given instead."""
     return None if parsed.spp is not None else parsed.seconds or parsed.default_seconds
 
 

@@ -18,7 +18,7 @@ ImageSize: TypeAlias = tuple[int, int]
 
 SIZE, MAX_DEPTH = (320, 240), 2
 BOUNCED_DEPTH = 3
-"""Of methods that find bounced light alone."""
+"""The default where a method finds bounced light alone."""
 
 
 def open_any(options: argparse.Namespace, default_depth: int) -> tuple[AnyScene, ImageSize, int]:

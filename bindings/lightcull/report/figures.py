@@ -29,13 +29,13 @@ class SamplerFigures:
     seconds: float
     """Render time, `setup_seconds` included."""
     setup_seconds: float
-    """Before the first sample: builds, pilots."""
+    """Time before the first sample: builds, pilots."""
     ns_per_selection: float | None
-    """Nanoseconds of a thread for one choice of a light."""
+    """Time of a thread for one choice of a light, nanoseconds."""
     selection_share: float | None
-    """Of the time of the passes, [0, 1]: refits and choosing lights."""
+    """The share of the passes' time that went to refits and to choosing lights, [0, 1]."""
     rays_per_second: float | None
-    """Camera, shadow and scattered rays, by the time of the passes."""
+    """Camera, shadow and scattered rays for each second of the passes."""
     accepted_per_point: float | None
     """Lights weighed with a weight above 0, mean over shading points."""
     nodes_per_point: float | None
