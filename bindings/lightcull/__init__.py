@@ -8,18 +8,30 @@
 Metres, radians, linear RGB. Arrays are C-contiguous float32 (N, 3), ids uint32.
 """
 
+# The package from the bottom up, where each line imports from those above it only:
+#   _core (compiled), checks, machine, memory, images, output_files
+#   scene, sampler    what is rendered, and what chooses its lights
+#   scenes, loaders   scenes made by code and from files
+#   rendering         one image; report: the figures and the page of a comparison
+#   comparing, methods, bench, selftest   measurements made of renders and selections
+#   mitsuba           scenes of Mitsuba's, rendered there or here
+#   cli               the command
+
 from ._core import COUNTS, LIGHT, SELECTION, Error
 from ._core import VERSION as __version__
-from .compare import SAMPLERS, compare
+from .camera import Camera
+from .comparing.compare import SAMPLERS, compare
 from .images import apply_view, read_image, view_names, write_exr, write_png
-from .loaders import UnsupportedWarning, load, open_scene
-from .loaders import example_scene as example_scene
+from .loaders import UnsupportedWarning, example_scene, load, open_scene
 from .methods import MethodReport, compare_methods
-from .render import Progress, RenderResult, Stats, render
+from .rendering.method import METHODS
+from .rendering.progress import Progress
+from .rendering.render import render
+from .rendering.result import RenderResult
+from .rendering.statistics import Stats
 from .report import Comparison
 from .sampler import LightSampler, point_lights, triangle_lights
-from .scene import Camera, Scene
-from .virtual_lights import METHODS
+from .scene import Scene
 
 __all__ = [
     "COUNTS",

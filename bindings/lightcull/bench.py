@@ -14,7 +14,7 @@ from . import _core
 from ._core import Error
 from .sampler import check_description
 from .scene import Scene
-from .scenes.chance import Chance
+from .scenes.random_numbers import Chance
 
 DEFAULT_SAMPLERS = ("light_bvh", "light_bvh:importance=means", "culled", "exhaustive")
 DEFAULT_SIZE = (640, 480)

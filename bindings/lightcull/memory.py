@@ -1,71 +1,19 @@
-"""What renders need of memory, and what there is."""
+"""What memory there is, and what this process has of it."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from ._core import Error
 
-if TYPE_CHECKING:
-    from .render import RenderJob
-    from .virtual_lights import VirtualLightJob
-
-_BYTES_TAKEN = 2 * 12
+BYTES_TAKEN = 2 * 12
 """Per pixel, of the image as it is taken."""
-_BYTES_PER_PIXEL = 24 + 12 + _BYTES_TAKEN
+_BYTES_PER_PIXEL = 24 + 12 + BYTES_TAKEN
 """Sums of the passes, the pass under way, and the image as it is taken."""
 
 
-@dataclass(frozen=True)
-class Need:
-    """What a render takes of memory, bytes."""
-
-    program: int
-    """Python, libraries, and what is left over from making the scene."""
-    scene: int
-    """Geometry, materials, textures and lights."""
-    bvh: int
-    """Embree's."""
-    sampler: int
-    """Its trees, with all sets of ranges."""
-    image: int
-    """Sums of the passes, the pass under way, and the image as it is taken."""
-    paths: int
-    """Those that are traced at a time."""
-    virtual_lights: int
-    """Those of a pass, and what pixels show; 0 where paths find what bounces."""
-    setup: int
-    """What all of the process came to at most until the first pass."""
-
-    @property
-    def peak(self) -> int:
-        """The most at any time, set-up included."""
-        parts = (
-            self.program, self.scene, self.bvh, self.sampler, self.image, self.paths,
-            self.virtual_lights,
-        )  # fmt: skip
-        return max(self.setup, sum(parts))
-
-
-def of_render(job: RenderJob | VirtualLightJob, size: tuple[int, int]) -> Need:
-    """What a render that is set up in this process will have needed once it is done."""
-    scene, renderer, virtual_lights = job.memory_size()
-    there = scene.data + scene.bvh + renderer.sampler + renderer.film
-    return Need(
-        program=max(_of_process("VmRSS") - there, 0),
-        scene=scene.data,
-        bvh=scene.bvh,
-        sampler=renderer.sampler,
-        image=renderer.film + size[0] * size[1] * _BYTES_TAKEN,
-        paths=renderer.paths,
-        virtual_lights=virtual_lights,
-        setup=_of_process("VmHWM"),
-    )
-
-
-def _of_process(field: str) -> int:
+def of_process(field: str) -> int:
+    """Bytes of this process, by a name of /proc/self/status: "VmRSS" now, "VmHWM" at most so far."""
     return _bytes_by_name("/proc/self/status")[field]
 
 

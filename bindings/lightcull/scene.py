@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import hashlib
 import os
 import threading
 from collections.abc import Sequence
-from dataclasses import dataclass
 from numbers import Real
 from typing import Any, Literal, TypeAlias
 
@@ -14,29 +12,13 @@ import numpy as np
 
 from . import _core, checks
 from ._core import Error
+from .camera import Camera
+from .scene_digest import SceneDigest
 
 Vector: TypeAlias = Sequence[float] | np.ndarray
 """Three numbers: metres, a direction, or linear RGB."""
 TextureSource: TypeAlias = str | os.PathLike[str] | np.ndarray
 """Path of an image, or float32 (H, W, 3) linear RGB with row 0 at the top."""
-
-
-@dataclass(frozen=True)
-class Camera:
-    """A thin lens that looks from origin to target; a pinhole where aperture_radius is 0."""
-
-    origin: tuple[float, float, float] = (0.0, 0.0, 1.0)
-    """Metres."""
-    target: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    """Metres."""
-    up: tuple[float, float, float] = (0.0, 1.0, 0.0)
-    """Any direction but that of the view."""
-    vertical_fov: float = 0.8
-    """Radians, between 0 and pi."""
-    aperture_radius: float = 0.0
-    """Metres."""
-    focus_distance: float = 1.0
-    """Metres."""
 
 
 class Scene:
@@ -59,26 +41,13 @@ class Scene:
         """What images and reports call it."""
         self._core = _core.Scene()
         self._camera = Camera()
-        self._digest = hashlib.blake2b(digest_size=16)
+        self._digest = SceneDigest()
         self._closed = False
         self._lock = threading.Lock()
         self._default_materials: dict[float, int] = {}
         self._bounds: np.ndarray | None = None
         self._counts = {"meshes": 0, "materials": 0, "textures": 0, "points": 0, "spots": 0}
         self._counts["virtual lights"] = 0
-
-    @classmethod
-    def from_mitsuba(cls, scene: Any, name: str = "scene") -> Scene:
-        """A loaded `mitsuba.Scene`, of an RGB variant that is set, for our own renderer.
-
-        Meshes and rectangles; diffuse and principled materials, and those two-sided; area emitters
-        with a colour, a texture or a `face_radiance`; points, spots, environments; the first
-        sensor. All else is named in one `UnsupportedWarning`; what emits by it is left out, and
-        materials are grey.
-        """
-        from .mitsuba.importer import import_scene
-
-        return import_scene(scene, name)
 
     def add_texture(self, texels: TextureSource, *, linear_data: bool = False) -> int:
         """Adds an image and returns its id, for materials and emission.
@@ -89,7 +58,7 @@ class Scene:
         if not isinstance(texels, np.ndarray):
             texels = _core.read_image(checks.path("texture", texels), bool(linear_data))
         texture = self._core.add_texture(texels)
-        self._note("texture", texels)
+        self._digest.add("texture", texels)
         self._counts["textures"] += 1
         return texture
 
@@ -120,7 +89,7 @@ class Scene:
             _texture_id("metallic_roughness_texture", metallic_roughness_texture),
         )
         material = self._core.add_material(*parameters)
-        self._note("material", *parameters)
+        self._digest.add("material", *parameters)
         self._counts["materials"] += 1
         return material
 
@@ -179,7 +148,7 @@ class Scene:
     def add_point_light(self, position: Vector, intensity: Vector) -> None:
         """Adds a point that emits in all directions. intensity: linear RGB, W/sr."""
         self._core.add_point_light(position, intensity)
-        self._note("point", position, intensity)
+        self._digest.add("point", position, intensity)
         self._counts["points"] += 1
 
     def add_spot_light(
@@ -191,7 +160,7 @@ class Scene:
         angles = checks.number("inner", inner), checks.number("outer", outer)
         parameters = (position, direction, intensity, *angles)
         self._core.add_spot_light(*parameters)
-        self._note("spot", *parameters)
+        self._digest.add("spot", *parameters)
         self._counts["spots"] += 1
 
     def add_virtual_lights(self, light_paths: int, bounces: int = 1, seed: int = 0) -> None:
@@ -212,7 +181,7 @@ class Scene:
             before = self._core.light_count()
             _core.add_virtual_lights(self._core, *parameters)
             self._counts["virtual lights"] += self._core.light_count() - before
-        self._note("virtual lights", *parameters)
+        self._digest.add("virtual lights", *parameters)
 
     def set_environment(
         self,
@@ -229,7 +198,7 @@ class Scene:
         texels = _environment_texels(map_or_rgb)
         rgb_scale = (scale,) * 3 if isinstance(scale, Real) else scale
         self._core.set_environment(texels, rgb_scale, checks.number("rotation", rotation))
-        self._note("environment", texels, rgb_scale, rotation)
+        self._digest.add("environment", texels, rgb_scale, rotation)
 
     def set_camera(
         self,
@@ -251,10 +220,8 @@ class Scene:
         )
         parameters = (origin, target, up, *lens)
         self._core.set_camera(*parameters)
-        self._note("camera", *parameters)
-        self._camera = Camera(
-            _triple(origin), _triple(target), _triple(up), *lens
-        )  # fmt: skip
+        self._digest.add("camera", *parameters)
+        self._camera = Camera(_triple(origin), _triple(target), _triple(up), *lens)
 
     @property
     def camera(self) -> Camera:
@@ -316,7 +283,7 @@ class Scene:
         checks.whole_number("material", material)
         parameters = (name, positions, indices, normals, uvs, material, *emission)
         mesh = self._core.add_mesh(*parameters)
-        self._note("mesh", *parameters)
+        self._digest.add("mesh", *parameters)
         self._counts["meshes"] += 1
         self._include(positions)
         return mesh
@@ -336,17 +303,6 @@ class Scene:
         if grey not in self._default_materials:
             self._default_materials[grey] = self.add_material(base_color=(grey, grey, grey))
         return self._default_materials[grey]
-
-    def _note(self, kind: str, *parameters: Any) -> None:
-        """Works what was added into the digest."""
-        self._digest.update(kind.encode())
-        for parameter in parameters:
-            if isinstance(parameter, np.ndarray):
-                self._digest.update(repr(parameter.shape).encode())
-                self._digest.update(np.ascontiguousarray(parameter).tobytes())
-            else:
-                self._digest.update(repr(parameter).encode())
-            self._digest.update(b";")
 
 
 def _texture_id(name: str, texture: int | None) -> int:

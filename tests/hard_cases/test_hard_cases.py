@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import json
 from pathlib import Path
 
@@ -11,9 +10,9 @@ import pytest
 
 from lightcull import _core, selftest
 from lightcull.cli import main
-from lightcull.selftest import edges, samplers, some
-from lightcull.selftest.model import Case, Finding, worst
-from lightcull.selftest.run import all_cases
+from lightcull.selftest import edges, lit_points, runner, sampler_checks
+from lightcull.selftest.case import Case, Finding, worst
+from lightcull.selftest.runner import all_cases
 
 
 @pytest.fixture(autouse=True)
@@ -39,22 +38,23 @@ def failed(findings: object) -> list[str]:
 
 
 def test_a_biased_sampler_is_found() -> None:
-    setting = some.mixed_setting()
-    assert any("samples have none" in what for what in failed(samplers.means(setting, ("clamped",))))
+    setting = lit_points.mixed_setting()
+    found = failed(sampler_checks.means(setting, ("clamped",)))
+    assert any("samples have none" in what for what in found)
 
 
 def test_a_sampler_that_leaves_lights_out_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
-    setting = some.points_setting()
+    setting = lit_points.points_setting()
     fewer = setting.lights.copy()
     fewer["intensity"][::2] = 0
-    part = samplers.Setting(fewer, setting.positions, setting.normals)
-    whole = samplers.Setting.sampler
+    part = lit_points.Setting(fewer, setting.positions, setting.normals)
+    whole = lit_points.Setting.sampler
     monkeypatch.setattr(
-        samplers.Setting,
+        lit_points.Setting,
         "sampler",
         lambda self, name: whole(setting if name == "exhaustive" else part, name),
     )
-    assert any("never chosen" in what for what in failed(samplers.totals(setting)))
+    assert any("never chosen" in what for what in failed(sampler_checks.totals(setting)))
 
 
 def test_bits_that_differ_are_found() -> None:
@@ -62,8 +62,8 @@ def test_bits_that_differ_are_found() -> None:
     a["prob"] = 0.5
     b = a.copy()
     b["weight_sum"][1] = 1e-30
-    assert samplers._differ(a, b) == 1
-    assert samplers._differ(a, a) == 0
+    assert sampler_checks._differ(a, b) == 1
+    assert sampler_checks._differ(a, a) == 0
 
 
 def test_the_worst_finding_is_shown() -> None:
@@ -86,8 +86,7 @@ def test_results_are_shown_before_their_file_is_written(
         folder.write_text("")
         yield Finding("x", 0.0, 0.0)
 
-    module = importlib.import_module("lightcull.selftest.run")
-    monkeypatch.setattr(module, "all_cases", lambda: [Case("case", find, once=True)])
+    monkeypatch.setattr(runner, "all_cases", lambda: [Case("case", find, once=True)])
     assert main(["selftest", "--json", str(folder / "a.json")]) == 1
     output = capsys.readouterr()
     assert output.out.splitlines()[-1] == "1 passed, 0 failed"
@@ -118,8 +117,7 @@ def test_the_command_ends_with_a_count(
         Case("good", lambda: iter([Finding("x", 0.0, 0.0)])),
         Case("other", lambda: iter([Finding("y", 0.0 if passes else 1.0, 0.0)]), once=True),
     ]
-    module = importlib.import_module("lightcull.selftest.run")
-    monkeypatch.setattr(module, "all_cases", lambda: cases)
+    monkeypatch.setattr(runner, "all_cases", lambda: cases)
     table = tmp_path / "selftest.json"
     assert main(["selftest", "--json", str(table)]) == (0 if passes else 1)
     count = len(_core.instruction_sets())

@@ -18,7 +18,7 @@ mi = pytest.importorskip("mitsuba", reason="Mitsuba is not installed")
 import lightcull  # noqa: E402
 import lightcull.mitsuba  # noqa: E402
 import mitsuba_scenes as scenes  # noqa: E402
-from lightcull.render import RenderSettings  # noqa: E402
+from lightcull.rendering.settings import RenderSettings  # noqa: E402
 
 ROOT = Path(__file__).parents[2]
 
@@ -133,7 +133,7 @@ def test_an_imported_scene_looks_the_same(make: Any, depth: int) -> None:
     mi.set_variant("scalar_rgb")
     scene = make()
     scene.pop("ball", None)
-    ours = lightcull.Scene.from_mitsuba(mi.load_dict(scene))
+    ours = lightcull.mitsuba.import_scene(mi.load_dict(scene))
     image = lightcull.render(ours, spp=256, size=scenes.SIZE, max_depth=depth).image
     expected = render(scene, spp=256, max_depth=depth)
     assert np.allclose(image.mean(axis=(0, 1)), expected.mean(axis=(0, 1)), rtol=0.03)
@@ -143,10 +143,11 @@ def test_an_imported_scene_looks_the_same(make: Any, depth: int) -> None:
 def test_an_import_names_what_it_leaves_out() -> None:
     mi.set_variant("scalar_rgb")
     with pytest.warns(lightcull.UnsupportedWarning) as record:
-        lightcull.Scene.from_mitsuba(mi.load_dict(scenes.round_lamps() | scenes.glass()))
+        lightcull.mitsuba.import_scene(mi.load_dict(scenes.round_lamps() | scenes.glass()))
     message = str(record[0].message)
     for thing in ("Sphere", "Disk", "Cylinder", "ThinDielectric"):
         assert thing in message
+    assert record[0].filename == __file__
 
 
 def test_an_import_names_what_it_leaves_out_of_things_it_knows() -> None:
@@ -161,7 +162,7 @@ def test_an_import_names_what_it_leaves_out_of_things_it_knows() -> None:
     scene["wall"]["interior"] = {"type": "homogeneous"}
     scene["second"] = scene["sensor"]
     with pytest.warns(lightcull.UnsupportedWarning) as record:
-        lightcull.Scene.from_mitsuba(mi.load_dict(scene))
+        lightcull.mitsuba.import_scene(mi.load_dict(scene))
     message = str(record[0].message)
     for thing in ("clearcoat", "spec_trans", "other material on the back", "medium"):
         assert thing in message

@@ -13,8 +13,8 @@ import pytest
 from conftest import Outcome, make_room
 from lightcull import _core, scenes
 from lightcull.bench import Row, bench
-from lightcull.cli import bench as command
-from lightcull.scenes.chance import Chance
+from lightcull.cli import bench_command, bench_scenes
+from lightcull.scenes.random_numbers import Chance
 
 Run = Callable[..., Outcome]
 SIZE = (32, 24)
@@ -175,7 +175,7 @@ def test_ctrl_c_keeps_what_was_measured(
         yield from [*bench(*arguments, **options)][:2]
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(command, "bench", interrupted)
+    monkeypatch.setattr(bench_command, "bench", interrupted)
     result = main_here(
         "bench", "cornell", "--samplers", "uniform", "--size", "32x24", "--json", "rows.json"
     )
@@ -188,11 +188,11 @@ def test_scenes_by_default_are_the_examples_and_the_series(
     main_here: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     made = []
-    monkeypatch.setattr(command, "example_scene", lambda name: made.append((name, None)))
+    monkeypatch.setattr(bench_scenes, "example_scene", lambda name: made.append((name, None)))
     monkeypatch.setattr(scenes, "build", lambda name, lights: made.append((name, lights)))
-    monkeypatch.setattr(command, "_bench", lambda *arguments: None)
+    monkeypatch.setattr(bench_command, "_bench", lambda *arguments: None)
     assert main_here("bench").returncode == 0
-    series = [("lanterns", lights) for lights in command.SERIES_LIGHTS]
+    series = [("lanterns", lights) for lights in bench_scenes.SERIES_LIGHTS]
     assert sorted(map(str, made)) == sorted(
         map(str, [(name, None) for name in scenes.NAMES if name != "lanterns"] + series)
     )

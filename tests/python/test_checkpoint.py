@@ -16,7 +16,7 @@ import pytest
 
 import lightcull
 from conftest import Outcome, make_room
-from lightcull import checkpoint
+from lightcull.rendering import checkpoint
 
 SIZE = (48, 32)
 PLACE = Path(__file__).parent
@@ -230,7 +230,7 @@ def test_a_disk_that_fills_up_at_any_byte(tmp_path: Path, limit: int) -> None:
 KILLED = """
 import os, random, signal, sys, time
 from pathlib import Path
-from lightcull import checkpoint
+from lightcull.rendering import checkpoint
 from test_checkpoint import render
 
 def go_on(file):
@@ -309,14 +309,14 @@ def test_ctrl_c_twice_leaves_the_last_checkpoint(
 
 INTERRUPTED = """
 import os, signal, sys
-from lightcull.cli import bars, main
-shown = bars.Bars.__call__
+from lightcull.cli import main, progress_bars
+shown = progress_bars.Bars.__call__
 def show(self, progress):
     shown(self, progress)
     if progress.spp == 3:
         for _ in range({times}):
             os.kill(os.getpid(), signal.SIGINT)
-bars.Bars.__call__ = show
+progress_bars.Bars.__call__ = show
 sys.exit(main())
 """
 

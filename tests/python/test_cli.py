@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from dataclasses import FrozenInstanceError
 from importlib.metadata import entry_points
 from pathlib import Path
 from subprocess import CompletedProcess
@@ -14,6 +15,8 @@ import pytest
 import lightcull
 from conftest import Outcome
 from gltf_file import GltfFile
+from lightcull.cli import options
+from lightcull.cli.parser import make_parser
 from lightcull.scenes import NAMES
 
 Run = Callable[..., CompletedProcess[str] | Outcome]
@@ -21,13 +24,13 @@ TINY = ("--size", "32x24", "--spp", "2")
 
 INTERRUPTED_IN_TURN = """
 import os, signal, sys
-from lightcull.cli import bars, main
-shown = bars.Bars.__call__
+from lightcull.cli import main, progress_bars
+shown = progress_bars.Bars.__call__
 def show(self, progress):
     shown(self, progress)
     if progress.stage == "{stage}":
         os.kill(os.getpid(), signal.SIGINT)
-bars.Bars.__call__ = show
+progress_bars.Bars.__call__ = show
 sys.exit(main())
 """
 
@@ -116,6 +119,33 @@ def test_errors_are_one_line_and_one(main_here: Run, tmp_path: Path) -> None:
         assert line.startswith("lightcull: error: ")
         assert message in line
         assert not result.stdout
+
+
+def resolved(*arguments: str) -> options.Options:
+    return options.resolve(make_parser().parse_args(arguments), arguments)
+
+
+def test_options_are_resolved_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    render = resolved("render", "cornell")
+    assert isinstance(render, options.RenderOptions)
+    assert (render.scene.name, render.output) == ("cornell", Path("cornell.exr"))
+    assert (render.seconds, render.spp) == (10.0, None)
+    assert (render.size, render.max_depth, render.exposure) == ((320, 240), 2, 0.0)
+    with pytest.raises(FrozenInstanceError):
+        render.spp = 4  # type: ignore[misc]
+    bounced = resolved("render", "cornell", "--method", "vpl_culled", "--spp", "4")
+    assert (bounced.seconds, bounced.spp, bounced.max_depth) == (None, 4, 3)
+    compare = resolved("compare", "cornell", "--size", "8x6")
+    assert isinstance(compare, options.CompareOptions)
+    assert compare.samplers == ("uniform", "power", "light_bvh", "culled")
+    assert (compare.seconds, compare.size, compare.folder) == (30.0, (8, 6), Path("report"))
+    assert compare.command == "lightcull compare cornell --size 8x6"
+    methods = resolved("compare", "cornell", "--methods", "path,vpl_grid")
+    assert isinstance(methods, options.CompareMethodsOptions)
+    assert (methods.methods, methods.max_depth) == (("path", "vpl_grid"), 3)
+    info = resolved("info", "cornell", "--max-depth", "5")
+    assert (info.settings.size, info.settings.max_depth) == ((320, 240), 5)
 
 
 def test_render_writes_an_image_and_what_made_it(command: Run, tmp_path: Path) -> None:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import importlib
 import json
 import signal
+from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
@@ -12,13 +12,10 @@ import pytest
 
 import lightcull
 from conftest import make_room
-from lightcull.render import Stats
+from lightcull.comparing import compare as compare_module
+from lightcull.rendering import subject as subject_module
+from lightcull.rendering.subject import samplers_of_reference
 from lightcull.report.metrics import relmse, relmse_of_mean
-from lightcull.subject import samplers_of_reference
-
-# The functions of these names hide the modules.
-compare_module = importlib.import_module("lightcull.compare")
-subject_module = importlib.import_module("lightcull.subject")
 
 SIZE = (32, 24)
 QUICK = {"spp": 4, "size": SIZE}
@@ -45,16 +42,16 @@ class FakeJob:
     def mean_counts(self):
         return type("Counts", (), {"accepted": 1.0, "nodes_visited": 2.0, "lights_tested": 3.0})
 
-    def stats(self) -> Stats:
+    def stats(self) -> lightcull.Stats:
         setup = self.setup_seconds[self.sampler]
         seconds = setup + self.spp * self.pass_seconds[self.sampler]
-        return Stats(self.spp, seconds, setup, seconds / 2, self.spp, 2 * self.spp, seconds / 4)
+        return lightcull.Stats(self.spp, seconds, setup, seconds / 2, self.spp, 2 * self.spp, seconds / 4)
 
 
 @pytest.fixture
 def fake_jobs(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     reference = lightcull.report.Reference(np.ones((24, 32, 3), np.float32), "other", 64, 0.0)
-    monkeypatch.setattr(subject_module, "RenderJob", FakeJob)
+    monkeypatch.setattr(subject_module, "PathJob", FakeJob)
     monkeypatch.setattr(subject_module, "check_description", lambda description: None)
     monkeypatch.setattr(compare_module, "reference_for", lambda order, progress: reference)
     FakeJob.turns = []
@@ -129,6 +126,7 @@ def test_report(room: lightcull.Scene, tmp_path: Path) -> None:
     assert report["samplers"]["culled"]["spp"] == 4
     assert report["samplers"]["uniform"]["ratio_to_uniform"] == 1
     assert set(stages) == {"reference", "uniform", "culled"}
+    assert json.loads(json.dumps(asdict(result.figures))) == report
     last_seconds, last_error = result.samplers["culled"].curve[-1]
     assert last_seconds == result.samplers["culled"].seconds
     assert last_error == relmse(result.samplers["culled"].image, result.reference.image)
@@ -165,13 +163,13 @@ def test_the_reference_is_kept(
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     jobs = []
 
-    class CountedJob(subject_module.RenderJob):
+    class CountedJob(subject_module.PathJob):
         def __init__(self, *arguments) -> None:
             super().__init__(*arguments)
             if arguments[1] != "uniform":  # which is under test
                 jobs.append(self)
 
-    monkeypatch.setattr(subject_module, "RenderJob", CountedJob)
+    monkeypatch.setattr(subject_module, "PathJob", CountedJob)
 
     def reference(scene: lightcull.Scene, **changes: object) -> lightcull.report.Reference:
         jobs.clear()

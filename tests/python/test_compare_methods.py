@@ -12,7 +12,7 @@ import pytest
 import lightcull
 from conftest import Outcome, make_room
 from lightcull.methods import measure, volumes
-from lightcull.render import RenderSettings
+from lightcull.rendering.settings import RenderSettings
 
 STUDIES = ["equal_time", "scaling", "volumes", "splatting", "shadow_maps", "hierarchy"]
 

@@ -19,7 +19,7 @@ import sys
 from lightcull.cli import main
 code = main()
 from lightcull import memory
-print("peak", memory._of_process("VmHWM"))
+print("peak", memory.of_process("VmHWM"))
 sys.exit(code)
 """
 UNITS = {"KiB": 2**10, "MiB": 2**20, "GiB": 2**30}
@@ -74,7 +74,7 @@ corners = (places + random.uniform(-0.05, 0.05, (202_000, 3, 3))).astype(np.floa
 scene.add_mesh(corners.reshape(-1, 3), np.arange(606_000, dtype=np.uint32).reshape(-1, 3))
 result = lightcull.render(scene, spp=2)
 assert result.image.any()
-print(len(scene.lights()), scene.triangle_count, memory._of_process("VmHWM"))
+print(len(scene.lights()), scene.triangle_count, memory.of_process("VmHWM"))
 """
 
 
@@ -113,7 +113,7 @@ def test_virtual_lights_for_which_there_is_no_memory(
 def resident() -> int:
     from lightcull import memory
 
-    return memory._of_process("VmRSS")
+    return memory.of_process("VmRSS")
 
 
 @pytest.mark.parametrize("sampler", ["culled", "light_bvh", "paper"])

@@ -8,13 +8,14 @@ import io
 import json
 import math
 import re
+from dataclasses import asdict
 from html.parser import HTMLParser
 from pathlib import Path
 
 import numpy as np
 import pytest
 from lightcull import report
-from lightcull.report import figures, html, metrics, pictures, plots, tables
+from lightcull.report import metrics, page, pictures, plots, tables
 from lightcull.report.write import file_stem
 from PIL import Image
 
@@ -205,49 +206,49 @@ def test_comparison_names_the_image_at_fault() -> None:
 
 
 def test_figures_of_a_sampler() -> None:
-    result = figures.compute(make_comparison())
-    uniform, culled = result["samplers"]["uniform"], result["samplers"]["culled:sets=16"]
+    result = make_comparison().figures
+    uniform, culled = result.samplers["uniform"], result.samplers["culled:sets=16"]
     reference, image = reference_image(), make_run(0.4).image
-    assert uniform["relmse"] == metrics.relmse(image, reference)
-    assert uniform["relmse_blurred"] == metrics.relmse_blurred(image, reference)
-    assert uniform["relmse_blurred31"] == metrics.relmse_blurred(image, reference, 31)
-    assert uniform["rmse"] == metrics.rmse(image, reference)
-    assert uniform["selection_share"] == pytest.approx(1 / 8)
-    assert uniform["ns_per_selection"] == pytest.approx(3000.0)
-    assert uniform["rays_per_second"] == pytest.approx(4e6 / 8.0)
-    assert uniform["efficiency"] == pytest.approx(1 / (uniform["relmse"] * 10.0))
-    assert uniform["error_curve"] == [[1.0, 0.4], [10.0, 0.04]]
-    assert uniform["ratio_to_uniform"] == 1
+    assert uniform.relmse == metrics.relmse(image, reference)
+    assert uniform.relmse_blurred == metrics.relmse_blurred(image, reference)
+    assert uniform.relmse_blurred31 == metrics.relmse_blurred(image, reference, 31)
+    assert uniform.rmse == metrics.rmse(image, reference)
+    assert uniform.selection_share == pytest.approx(1 / 8)
+    assert uniform.ns_per_selection == pytest.approx(3000.0)
+    assert uniform.rays_per_second == pytest.approx(4e6 / 8.0)
+    assert uniform.efficiency == pytest.approx(1 / (uniform.relmse * 10.0))
+    assert uniform.error_curve == ((1.0, 0.4), (10.0, 0.04))
+    assert uniform.ratio_to_uniform == 1
     # A quarter of the error, 16 times less relMSE, in half the time.
-    assert culled["ratio_to_uniform"] == pytest.approx(32, rel=1e-3)
-    assert culled["ratio_to_light_bvh"] == pytest.approx(8, rel=1e-3)
+    assert culled.ratio_to_uniform == pytest.approx(32, rel=1e-3)
+    assert culled.ratio_to_light_bvh == pytest.approx(8, rel=1e-3)
 
 
 def test_ratios_after_the_blur_are_of_the_blurred_error() -> None:
     shared = make_run(0.0, image=(1.1 * reference_image()).astype(np.float32))
-    result = figures.compute(make_comparison(uniform=make_run(0.2), light_bvh=shared))["samplers"]
-    assert result["uniform"]["ratio_to_uniform_blurred"] == 1
+    result = make_comparison(uniform=make_run(0.2), light_bvh=shared).figures.samplers
+    assert result["uniform"].ratio_to_uniform_blurred == 1
     # Half of the error, but the blur leaves it; that of uniform it takes away.
-    assert result["light_bvh"]["ratio_to_uniform"] == pytest.approx(4, rel=1e-3)
-    expected = result["uniform"]["relmse_blurred"] / result["light_bvh"]["relmse_blurred"]
+    assert result["light_bvh"].ratio_to_uniform == pytest.approx(4, rel=1e-3)
+    expected = result["uniform"].relmse_blurred / result["light_bvh"].relmse_blurred
     assert expected < 0.1
-    assert result["light_bvh"]["ratio_to_uniform_blurred"] == pytest.approx(expected)
-    assert result["uniform"]["ratio_to_light_bvh_blurred"] == pytest.approx(1 / expected)
+    assert result["light_bvh"].ratio_to_uniform_blurred == pytest.approx(expected)
+    assert result["uniform"].ratio_to_light_bvh_blurred == pytest.approx(1 / expected)
 
 
 def test_ratios_are_null_without_their_baseline() -> None:
-    only = figures.compute(make_comparison(culled=make_run(0.1)))["samplers"]["culled"]
+    only = make_comparison(culled=make_run(0.1)).figures.samplers["culled"]
     for key in ("ratio_to_uniform", "ratio_to_light_bvh"):
-        assert only[key] is None and only[f"{key}_blurred"] is None
+        assert getattr(only, key) is None and getattr(only, f"{key}_blurred") is None
 
 
 def test_figures_that_do_not_exist_are_null() -> None:
     perfect = make_run(0.0, selections=0)
-    result = figures.compute(make_comparison(uniform=perfect, culled=make_run(0.1)))["samplers"]
-    assert result["uniform"]["ns_per_selection"] is None
-    assert result["uniform"]["efficiency"] is None
-    assert result["culled"]["ratio_to_uniform"] is None
-    json.dumps(result, allow_nan=False)
+    result = make_comparison(uniform=perfect, culled=make_run(0.1)).figures.samplers
+    assert result["uniform"].ns_per_selection is None
+    assert result["uniform"].efficiency is None
+    assert result["culled"].ratio_to_uniform is None
+    json.dumps([asdict(run) for run in result.values()], allow_nan=False)
 
 
 # Files
@@ -281,7 +282,7 @@ def test_csv_says_what_json_says(folder: Path) -> None:
 
 
 def test_csv_leaves_a_missing_figure_empty(tmp_path: Path) -> None:
-    result = figures.compute(make_comparison(culled=make_run(0.1)))
+    result = make_comparison(culled=make_run(0.1)).figures
     tables.write_csv(result, tmp_path / "report.csv")
     with (tmp_path / "report.csv").open(newline="") as stream:
         (row,) = csv.DictReader(stream)
@@ -409,7 +410,7 @@ def test_page_says_what_was_done(page_text: str) -> None:
 def test_page_marks_the_best_values(page_text: str) -> None:
     rows = [row for row in page_text.split("<tr>") if 'name">culled:sets=16' in row]
     marked, cells = {}, {}
-    for row, columns in zip(rows, (html.ERROR_COLUMNS, html.COST_COLUMNS), strict=True):
+    for row, columns in zip(rows, (page.ERROR_COLUMNS, page.COST_COLUMNS), strict=True):
         found = re.findall(r'<td( class="best")?>(.*?)</td>', row)[1:]
         for column, (best, text) in zip(columns, found, strict=True):
             marked[column.key], cells[column.key] = best, text
@@ -417,7 +418,7 @@ def test_page_marks_the_best_values(page_text: str) -> None:
     assert marked["relmse_blurred31"] and marked["ratio_to_light_bvh_blurred"]
     assert not marked["accepted_per_point"] and not marked["seconds"]
     assert set(marked) == set(tables.RUN_COLUMNS)
-    assert cells["selection_share"] == html.significant(100 / 3)
+    assert cells["selection_share"] == page.significant(100 / 3)
 
 
 def test_page_warns_of_a_noisy_reference() -> None:
@@ -425,17 +426,17 @@ def test_page_warns_of_a_noisy_reference() -> None:
     noisy = make_comparison()
     noisy.reference.relmse_of_itself = 0.1
     images = {"image": {}, **{kind.key: {} for kind in pictures.ERROR_MAPS}}
-    pages = [html.render(figures.compute(made), images, "aces") for made in (clean, noisy)]
+    pages = [page.render(made.figures, images, "aces") for made in (clean, noisy)]
     assert ["†" in page for page in pages] == [False, True]
 
 
 def test_plot_has_a_curve_for_each_sampler() -> None:
-    result = figures.compute(make_comparison())
+    result = make_comparison().figures
     svg = plots.to_svg(plots.error_against_time(result))
     assert svg.startswith("<svg")
     for text in ("uniform", "light_bvh", "culled:sets=16", "1/t", "relMSE", "seconds"):
         assert f">{text}<" in svg
-    for color in plots.sampler_colors(list(result["samplers"])).values():
+    for color in plots.sampler_colors(list(result.samplers)).values():
         assert color in svg
 
 
@@ -453,4 +454,4 @@ def test_sampler_colors_differ() -> None:
     ],
 )  # fmt: skip
 def test_numbers_for_people(value: float | None, text: str) -> None:
-    assert html.significant(value) == text
+    assert page.significant(value) == text

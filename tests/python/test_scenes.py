@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 from lightcull import scenes
 from lightcull.scenes import geometry
-from lightcull.scenes.chance import Chance
 from lightcull.scenes.color import LUMINANCE, blackbody, from_srgb, with_luminance
+from lightcull.scenes.random_numbers import Chance
 
 LIGHTS = {
     "lanterns": 54_720,

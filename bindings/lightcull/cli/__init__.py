@@ -8,9 +8,19 @@ from collections.abc import Sequence
 from rich.console import Console
 
 from .._core import Error
-from .commands import COMMANDS
-from .options import make_parser
-from .texts import one_line
+from . import bench_command, compare_command, info_command, render_command, selftest_command
+from .messages import one_line, warnings_to
+from .options import (
+    BenchOptions,
+    CompareMethodsOptions,
+    CompareOptions,
+    InfoOptions,
+    Options,
+    RenderOptions,
+    SelftestOptions,
+    resolve,
+)
+from .parser import make_parser
 
 _ERROR, _INTERRUPTED = 1, 130
 
@@ -20,8 +30,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     arguments = sys.argv[1:] if arguments is None else list(arguments)
     messages = Console(stderr=True, highlight=False, soft_wrap=True)
     try:
-        options = make_parser().parse_args(arguments)
-        completed = COMMANDS[options.command](options, arguments, messages)
+        parsed = make_parser().parse_args(arguments)
+        with warnings_to(messages):
+            completed = _run(resolve(parsed, arguments), messages)
         return 0 if completed else _INTERRUPTED
     except KeyboardInterrupt as stop:
         reason = one_line(stop) or "interrupted before there was anything to save"
@@ -33,3 +44,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except (Error, OSError) as error:
         messages.print(f"lightcull: error: {one_line(error)}", style="red", markup=False)
         return _ERROR
+
+
+def _run(options: Options, messages: Console) -> bool:
+    """Does what is asked. False if Ctrl-C ended it early."""
+    match options:
+        case RenderOptions():
+            return render_command.run(options, messages)
+        case CompareOptions():
+            return compare_command.run(options, messages)
+        case CompareMethodsOptions():
+            return compare_command.run_methods(options, messages)
+        case InfoOptions():
+            return info_command.run(options, messages)
+        case BenchOptions():
+            return bench_command.run(options, messages)
+        case SelftestOptions():
+            return selftest_command.run(options, messages)

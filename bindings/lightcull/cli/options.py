@@ -1,301 +1,265 @@
-"""What the command line understands."""
+"""What a command line asks for, resolved: defaults are filled in, the scene is open, and what can be
+refused before anything is rendered has been. The commands read these records and nothing else.
+"""
 
 from __future__ import annotations
 
 import argparse
-import math
-import re
-from collections.abc import Sequence
-from typing import NoReturn
+import shlex
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TypeAlias
 
-from .._core import Error, instruction_sets
-from ..bench import DEFAULT_SAMPLERS as BENCH_SAMPLERS
-from ..bench import DEFAULT_SIZE as BENCH_SIZE
-from ..bench import DEFAULT_THREADS as BENCH_THREADS
-from ..checks import MOST_32_BITS, MOST_64_BITS, MOST_PIXELS
-from ..compare import DEFAULT_SAMPLERS
-from ..methods.run import MOST_LIGHTS
-from ..sampler import check_description
-from ..virtual_lights import METHODS, PATH, check_method
-from . import texts
+import numpy as np
 
-MITSUBA_PATH = "path"
-"""The sampler that is Mitsuba's own integrator."""
-
-
-class _Parser(argparse.ArgumentParser):
-    """Says what is wrong in one line."""
-
-    def error(self, message: str) -> NoReturn:
-        self.exit(2, f"{self.prog}: error: {texts.one_line(message)} (see {self.prog} --help)\n")
+from .. import bench
+from .._core import Error
+from ..comparing.compare import DEFAULT_SAMPLERS
+from ..images import apply_view, check_format
+from ..methods.studies import MOST_LIGHTS
+from ..output_files import check_output, check_writable
+from ..rendering.method import PATH
+from ..rendering.settings import RenderSettings
+from ..scene import Scene
+from .bench_scenes import SceneMaker, scene_makers
+from .scene_option import BOUNCED_DEPTH, MAX_DEPTH, SIZE, AnyScene, open_any, open_ours
 
 
-def make_parser() -> argparse.ArgumentParser:
-    """The parser of the whole command line."""
-    parser = _make(_Parser, "lightcull", texts.OVERVIEW, texts.EXAMPLES)
-    commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
-    about = texts.OVERVIEW.split("\n", 2)[2]
+@dataclass(frozen=True)
+class RenderOptions:
+    """A render. What is not said here is as in `lightcull.render`."""
 
-    def add(name: str, summary: str, examples: str) -> argparse.ArgumentParser:
-        command: argparse.ArgumentParser = commands.add_parser(
-            name,
-            help=summary,
-            description=f"{summary[0].upper()}{summary[1:]}.\n\n{about}",
-            epilog=examples,
-            formatter_class=argparse.RawDescriptionHelpFormatter,
-        )
-        return command
-
-    render = add("render", "render a scene to an image", texts.RENDER)
-    _add_sampler(render)
-    _add_method(render)
-    render.add_argument("--view", help="of a .png: see through this view; default: the first")
-    render.add_argument(
-        "--exposure", type=_finite, metavar="STOPS", help="of a .png: brighten it; default: 0"
-    )
-    render.add_argument(
-        "--checkpoint", metavar="FILE", help="save the render to go on from later; a new file"
-    )
-    render.add_argument(
-        "--every", type=_positive, metavar="S", help="seconds between; default: 60"
-    )
-    render.add_argument(
-        "--resume", metavar="FILE", help="go on from a checkpoint, and keep it up to date"
-    )
-    _add_shared(render, seconds=10, output="SCENE.exr", output_help=".exr or .png to write")
-
-    compare = add("compare", "compare samplers in equal time", texts.COMPARE)
-    _add_samplers(compare, DEFAULT_SAMPLERS)
-    compare.add_argument(
-        "--methods", type=_method_list, metavar="A,B,...",
-        help="compare how light that bounces is found instead; see `lightcull render --help`",
-    )  # fmt: skip
-    compare.add_argument(
-        "--most-lights", type=_from_one, metavar="N",
-        help=f"of --methods: light paths up to which virtual lights are scaled; default: {MOST_LIGHTS}",
-    )  # fmt: skip
-    compare.add_argument(
-        "--reference-seconds",
-        type=_positive,
-        metavar="S",
-        help="render time of the reference; default: 8 times that of a sampler",
-    )
-    _add_shared(compare, seconds=30, output="report", output_help="folder to write")
-
-    info = add("info", "say what is in a scene, and what memory it takes", texts.INFO)
-    _add_scene(info)
-    _add_sampler(info)
-    _add_method(info)
-    _add_image(info)
-    selftest = add("selftest", "check hard cases on this machine", texts.SELFTEST)
-    selftest.add_argument("--json", metavar="FILE", help="file to write the results to")
-    _add_bench(add("bench", "measure what a selection costs", texts.BENCH))
-    return parser
+    scene: AnyScene
+    sampler: str
+    method: str
+    seconds: float | None
+    spp: int | None
+    size: tuple[int, int]
+    max_depth: int
+    seed: int
+    threads: int
+    output: Path
+    view: str | None
+    """The view of a .png; None: the first."""
+    exposure: float
+    """The exposure of a .png, stops."""
+    checkpoint: str | None
+    every: float | None
+    resume: str | None
 
 
-def _add_scene(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("scene", metavar="SCENE", help="file or name of an example")
-    parser.add_argument(
-        "--virtual-lights", type=_from_one, metavar="N",
-        help="add virtual lights to the scene's: where N light paths meet surfaces for the first "
-        "time. Not for an .xml",
-    )  # fmt: skip
+@dataclass(frozen=True)
+class CompareOptions:
+    """A comparison of samplers. What is not said here is as in `lightcull.compare`."""
+
+    scene: AnyScene
+    samplers: tuple[str, ...]
+    seconds: float | None
+    spp: int | None
+    size: tuple[int, int]
+    max_depth: int
+    seed: int
+    threads: int
+    reference_seconds: float | None
+    folder: Path
+    command: str
 
 
-def _add_sampler(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "--sampler", type=_sampler, default="culled", metavar="SAMPLER", help="default: culled"
-    )
+@dataclass(frozen=True)
+class CompareMethodsOptions:
+    """A comparison of methods. The fields are as in `lightcull.compare_methods`."""
+
+    scene: Scene
+    methods: tuple[str, ...]
+    seconds: float
+    size: tuple[int, int]
+    max_depth: int
+    seed: int
+    threads: int
+    most_lights: int
+    folder: Path
+    command: str
 
 
-def _add_method(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "--method", type=_method, default=PATH, metavar="METHOD",
-        help=f"{', '.join(METHODS)}, with options; default: {PATH}",
-    )  # fmt: skip
+@dataclass(frozen=True)
+class InfoOptions:
+    """What is asked about: a scene, and a render of it that is only set up."""
+
+    scene: Scene
+    sampler: str
+    method: str
+    settings: RenderSettings
 
 
-def _add_image(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "--size", type=_size, metavar="WxH", help="pixels; default: 320x240; of an .xml: its own"
-    )
-    parser.add_argument(
-        "--max-depth",
-        type=_from_one,
-        metavar="N",
-        help="longest path, in edges: 2 is direct light only; default: 2; of an .xml: its own",
-    )
+@dataclass(frozen=True)
+class BenchOptions:
+    """Measurements of selections. What is not said here is as in `lightcull.bench.bench`."""
+
+    scenes: tuple[SceneMaker, ...]
+    samplers: tuple[str, ...]
+    size: tuple[int, int]
+    threads: tuple[int, ...]
+    targets: tuple[str, ...] | None
+    device: str
+    json: Path | None
+    """The file that the rows go to; None: none."""
 
 
-def _add_samplers(parser: argparse.ArgumentParser, default: Sequence[str]) -> None:
-    parser.add_argument(
-        "--samplers", type=_samplers, metavar="A,B,...", help=f"default: {','.join(default)}"
-    )
+@dataclass(frozen=True)
+class SelftestOptions:
+    """A run of the hard cases."""
+
+    json: Path | None
+    """The file that the results go to; None: none."""
 
 
-def _add_bench(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "scenes",
-        nargs="*",
-        metavar="SCENE",
-        help="file, name of an example, or series: lanterns with 1,000 to 1,000,000 lights of the "
-        "same total power; default: all examples and the series",
-    )
-    _add_samplers(parser, BENCH_SAMPLERS)
-    parser.add_argument(
-        "--size",
-        type=_size,
-        default=BENCH_SIZE,
-        metavar="WxH",
-        help="of the image whose points are taken; default: {}x{}".format(*BENCH_SIZE),
-    )
-    parser.add_argument(
-        "--threads",
-        type=_thread_counts,
-        default=list(BENCH_THREADS),
-        metavar="M,N,...",
-        help=f"default: {','.join(map(str, BENCH_THREADS))}",
-    )
-    parser.add_argument(
-        "--targets",
-        type=_targets,
-        metavar="A,B,...",
-        help="instruction sets, or all; default: the best that this machine has",
-    )
-    parser.add_argument(
-        "--device",
-        default="cpu",
-        metavar="DEVICE",
-        help="where culled and paper are measured as well: vulkan, or vulkan:NAME for one whose "
-        "name holds NAME",
-    )
-    parser.add_argument("--json", metavar="FILE", help="file to write the rows to")
+Options: TypeAlias = (
+    RenderOptions
+    | CompareOptions
+    | CompareMethodsOptions
+    | InfoOptions
+    | BenchOptions
+    | SelftestOptions
+)
 
 
-def _make(
-    kind: type[argparse.ArgumentParser], program: str, description: str, epilog: str
-) -> argparse.ArgumentParser:
-    return kind(
-        prog=program,
-        description=description,
-        epilog=epilog,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+def resolve(parsed: argparse.Namespace, arguments: Sequence[str]) -> Options:
+    """Resolves what the parser made of the arguments. Throws Error for what makes no sense."""
+    return _RESOLVERS[parsed.command](parsed, shlex.join(["lightcull", *arguments]))
+
+
+def _render(parsed: argparse.Namespace, command: str) -> RenderOptions:
+    default = f"{Path(parsed.scene).stem or 'image'}.exr"
+    output = Path(default if parsed.output is None else parsed.output)
+    _check_image_output(output, parsed)
+    if parsed.every is not None and parsed.checkpoint is None and parsed.resume is None:
+        raise Error("--every: only with --checkpoint or --resume")
+    scene, size, max_depth = open_any(parsed, _default_depth(parsed.method))
+    return RenderOptions(
+        scene=scene,
+        sampler=parsed.sampler,
+        method=parsed.method,
+        seconds=_seconds(parsed),
+        spp=parsed.spp,
+        size=size,
+        max_depth=max_depth,
+        seed=parsed.seed,
+        threads=parsed.threads,
+        output=output,
+        view=parsed.view,
+        exposure=parsed.exposure or 0.0,
+        checkpoint=parsed.checkpoint,
+        every=parsed.every,
+        resume=parsed.resume,
     )
 
 
-def _add_shared(
-    parser: argparse.ArgumentParser, seconds: float, output: str, output_help: str
-) -> None:
-    _add_scene(parser)
-    _add_image(parser)
-    parser.add_argument(
-        "--host", choices=["mitsuba"], help="renderer to use; default: mitsuba for an .xml"
+def _check_image_output(output: Path, parsed: argparse.Namespace) -> None:
+    if check_format(output) == ".exr" and (parsed.view or parsed.exposure is not None):
+        raise Error(f"{output}: --view and --exposure are for a .png; an .exr stays linear")
+    if check_format(output) == ".png":  # what a broken configuration of views throws, it throws now
+        apply_view(np.zeros((1, 1, 3), np.float32), parsed.view, parsed.exposure or 0.0)
+    check_output(output)
+    for other in (parsed.checkpoint, parsed.resume):
+        if other is not None and Path(other).resolve() == output.resolve():
+            raise Error(f"{output}: cannot be the image and the checkpoint")
+
+
+def _compare(parsed: argparse.Namespace, command: str) -> CompareOptions | CompareMethodsOptions:
+    if parsed.methods is not None:
+        return _compare_methods(parsed, command)
+    if parsed.most_lights is not None:
+        raise Error("--most-lights: only with --methods")
+    folder = _report_folder(parsed)
+    scene, size, max_depth = open_any(parsed, MAX_DEPTH)
+    return CompareOptions(
+        scene=scene,
+        samplers=tuple(parsed.samplers or DEFAULT_SAMPLERS),
+        seconds=_seconds(parsed),
+        spp=parsed.spp,
+        size=size,
+        max_depth=max_depth,
+        seed=parsed.seed,
+        threads=parsed.threads,
+        reference_seconds=parsed.reference_seconds,
+        folder=folder,
+        command=command,
     )
-    parser.add_argument(
-        "--variant", help="of Mitsuba, for an .xml alone; default: scalar_rgb"
+
+
+def _compare_methods(parsed: argparse.Namespace, command: str) -> CompareMethodsOptions:
+    folder = _report_folder(parsed)
+    if parsed.spp is not None:
+        raise Error("--spp: methods are compared in equal time, give --seconds")
+    for name in ("samplers", "reference_seconds"):
+        if getattr(parsed, name) is not None:
+            raise Error(f"--{name.replace('_', '-')}: not with --methods")
+    scene, size, max_depth = open_any(parsed, BOUNCED_DEPTH)
+    if not isinstance(scene, Scene):
+        raise Error("--methods: not for a scene of another renderer")
+    return CompareMethodsOptions(
+        scene=scene,
+        methods=tuple(parsed.methods),
+        seconds=parsed.seconds or parsed.default_seconds,
+        size=size,
+        max_depth=max_depth,
+        seed=parsed.seed,
+        threads=parsed.threads,
+        most_lights=parsed.most_lights or MOST_LIGHTS,
+        folder=folder,
+        command=command,
     )
-    budget = parser.add_mutually_exclusive_group()
-    budget.add_argument(
-        "--seconds", type=_positive, metavar="S", help=f"render time; default: {seconds:g}"
+
+
+def _report_folder(parsed: argparse.Namespace) -> Path:
+    folder = Path("report" if parsed.output is None else parsed.output)
+    check_writable(folder)
+    return folder
+
+
+def _info(parsed: argparse.Namespace, command: str) -> InfoOptions:
+    depth = parsed.max_depth or _default_depth(parsed.method)
+    settings = RenderSettings(parsed.size or SIZE, depth, seed=0, threads=0)
+    return InfoOptions(open_ours(parsed), parsed.sampler, parsed.method, settings)
+
+
+def _bench(parsed: argparse.Namespace, command: str) -> BenchOptions:
+    return BenchOptions(
+        json=_json_file(parsed),
+        scenes=tuple(scene_makers(parsed.scenes)),
+        samplers=tuple(parsed.samplers or bench.DEFAULT_SAMPLERS),
+        size=parsed.size,
+        threads=tuple(parsed.threads),
+        targets=None if parsed.targets is None else tuple(parsed.targets),
+        device=parsed.device,
     )
-    budget.add_argument("--spp", type=_from_one, metavar="N", help="samples per pixel instead")
-    parser.add_argument(
-        "--threads", type=_from_zero, default=0, metavar="N", help="default: 0, all there are"
-    )
-    parser.add_argument("--seed", type=_seed, default=0, metavar="N", help="default: 0")
-    parser.add_argument(
-        "-o", "--output", metavar="PATH", help=f"{output_help}; default: {output}"
-    )
-    parser.set_defaults(default_seconds=float(seconds))
 
 
-def _size(text: str) -> tuple[int, int]:
-    match = re.fullmatch(r"([1-9][0-9]{0,4})x([1-9][0-9]{0,4})", text)
-    if match is None:
-        raise argparse.ArgumentTypeError(f"wanted WIDTHxHEIGHT such as 640x360, got {text!r}")
-    size = int(match[1]), int(match[2])
-    if max(size) > MOST_PIXELS:
-        raise argparse.ArgumentTypeError(f"wanted at most {MOST_PIXELS} pixels, got {text!r}")
-    return size
+def _selftest(parsed: argparse.Namespace, command: str) -> SelftestOptions:
+    return SelftestOptions(_json_file(parsed))
 
 
-def _positive(text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = 0.0
-    if not 0 < value < float("inf"):
-        raise argparse.ArgumentTypeError(f"wanted a number above 0, got {text!r}")
-    return value
+def _json_file(parsed: argparse.Namespace) -> Path | None:
+    if parsed.json is None:
+        return None
+    check_output(parsed.json)
+    return Path(parsed.json)
 
 
-def _finite(text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        raise argparse.ArgumentTypeError(f"wanted a number, got {text!r}")
-    return value
+def _seconds(parsed: argparse.Namespace) -> float | None:
+    """The render time; None where samples per pixel are given instead."""
+    return None if parsed.spp is not None else parsed.seconds or parsed.default_seconds
 
 
-def _from_one(text: str) -> int:
-    return _whole(text, 1, MOST_32_BITS)
+def _default_depth(method: str) -> int:
+    return MAX_DEPTH if method == PATH else BOUNCED_DEPTH
 
 
-def _from_zero(text: str) -> int:
-    return _whole(text, 0, MOST_32_BITS)
-
-
-def _seed(text: str) -> int:
-    return _whole(text, 0, MOST_64_BITS)
-
-
-def _whole(text: str, least: int, most: int) -> int:
-    if not re.fullmatch(r"[0-9]{1,30}", text) or int(text) < least:
-        raise argparse.ArgumentTypeError(f"wanted a whole number from {least} up, got {text!r}")
-    if int(text) > most:
-        raise argparse.ArgumentTypeError(f"wanted at most {most}, got {text!r}")
-    return int(text)
-
-
-def _sampler(text: str) -> str:
-    if text == MITSUBA_PATH:  # whether there is a Mitsuba is known later
-        return text
-    try:
-        check_description(text)
-    except Error as error:
-        raise argparse.ArgumentTypeError(str(error)) from error
-    return text
-
-
-def _method(text: str) -> str:
-    try:
-        return check_method(text)
-    except Error as error:
-        raise argparse.ArgumentTypeError(str(error)) from error
-
-
-def _method_list(text: str) -> list[str]:
-    return [_method(description) for description in text.split(",")]
-
-
-def _samplers(text: str) -> list[str]:
-    return [_sampler(description) for description in text.split(",")]
-
-
-def _thread_counts(text: str) -> list[int]:
-    return [_from_one(count) for count in text.split(",")]
-
-
-def _targets(text: str) -> list[str]:
-    available = instruction_sets()
-    if text == "all":
-        return available
-    names = text.split(",")
-    for name in names:
-        if name not in available:
-            raise argparse.ArgumentTypeError(
-                f"no instruction set {name!r} here; there are {', '.join(available)} and all"
-            )
-    return names
+_RESOLVERS: dict[str, Callable[[argparse.Namespace, str], Options]] = {
+    "render": _render,
+    "compare": _compare,
+    "info": _info,
+    "bench": _bench,
+    "selftest": _selftest,
+}

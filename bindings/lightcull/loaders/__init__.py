@@ -14,8 +14,8 @@ from .. import checks, scenes
 from .._core import Error
 from ..scene import Scene
 from .gltf import fill_from_gltf
-from .notes import Notes, UnsupportedWarning
-from .plain import fill_from_obj, fill_from_ply
+from .obj_ply import fill_from_obj, fill_from_ply
+from .unsupported import Notes, UnsupportedWarning
 
 __all__ = ["UnsupportedWarning", "example_scene", "load", "open_scene"]
 

@@ -23,8 +23,8 @@ from .gltf_support import (
     supported_primitives,
 )
 from .meshes import Surface, add_geometry, parse, uvs_of
-from .notes import Notes
 from .textures import texels_of
+from .unsupported import Notes
 
 _GLB_MAGIC, _JSON_CHUNK = 0x46546C67, 0x4E4F534A
 

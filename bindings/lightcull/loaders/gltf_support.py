@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from .._core import Error
-from .notes import Notes
+from .unsupported import Notes
 
 Json = dict[str, Any]
 

@@ -14,7 +14,7 @@ from PIL import Image
 
 from .._core import Error
 from ..scene import Scene
-from .notes import Notes
+from .unsupported import Notes
 
 # Where nobody listens, Python prints what it warns of, with a traceback; we say it ourselves.
 logging.getLogger("trimesh").addHandler(logging.NullHandler())

@@ -1,6 +1,6 @@
 """The comparison of methods: how virtual lights scale, what culls them best, and who errs least."""
 
-from .model import MethodReport, Picture, Study, Table
-from .run import compare_methods
+from .findings import MethodReport, Picture, Study, Table
+from .studies import compare_methods
 
 __all__ = ["MethodReport", "Picture", "Study", "Table", "compare_methods"]

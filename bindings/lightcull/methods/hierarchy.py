@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from .findings import Curve, Plot, Study, Table
 from .measure import TIME, Bench, measure, relative_rmse
-from .model import Curve, Plot, Study, Table
 
 _DIVISOR = 10
 """vpl_all has a hundredth of the pixels."""
@@ -59,4 +59,3 @@ def grid(bench: Bench) -> Study:
         ),
         figures={"summed_per_decade": per_decade, "last_error": float(rows[-1][4])},
     )  # fmt: skip
-

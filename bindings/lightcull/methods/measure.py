@@ -8,9 +8,10 @@ from typing import TypeAlias
 
 import numpy as np
 
-from ..render import RenderJob, RenderSettings
+from ..rendering.path_job import PathJob
+from ..rendering.settings import RenderSettings
+from ..rendering.virtual_light_job import LightCounts, VirtualLightJob
 from ..scene import Scene
-from ..virtual_lights import LightCounts, VirtualLightJob
 
 DIRECT_SAMPLER = "culled"
 TIME = "Time is that of processors, all threads together, for"
@@ -76,7 +77,7 @@ def measure(bench: Bench, method: str, passes: int = 1) -> Measured:
 
 def direct_light(bench: Bench, passes: int) -> np.ndarray:
     """float64 (H, W, 3): to the bit what a method's passes have of it."""
-    job = RenderJob(bench.scene, DIRECT_SAMPLER, replace(bench.settings, max_depth=2))
+    job = PathJob(bench.scene, DIRECT_SAMPLER, replace(bench.settings, max_depth=2))
     for _ in range(passes):
         job.render_pass()
     return job.image().astype(np.float64)

@@ -7,11 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..render import RenderJob
-from ..subject import Job
-from ..virtual_lights import PATH, VirtualLightJob
+from ..rendering.job import Job
+from ..rendering.method import PATH
+from ..rendering.path_job import PathJob
+from ..rendering.virtual_light_job import VirtualLightJob
+from .findings import Curve, Picture, Plot, Study, Table
 from .measure import DIRECT_SAMPLER, Bench, relative_rmse
-from .model import Curve, Picture, Plot, Study, Table
 
 _EFFORT = 16
 """Of the reference, as a multiple of what each method has."""
@@ -68,14 +69,12 @@ class _Racer:
 
     def __init__(self, bench: Bench, method: str, reference: np.ndarray) -> None:
         self.method = method
-        self.job: Job | VirtualLightJob = (
-            RenderJob(bench.scene, DIRECT_SAMPLER, bench.settings)
+        self.job: Job = (
+            PathJob(bench.scene, DIRECT_SAMPLER, bench.settings)
             if method == PATH
             else VirtualLightJob(bench.scene, method, DIRECT_SAMPLER, bench.settings)
         )
-        self._direct = RenderJob(
-            bench.scene, DIRECT_SAMPLER, replace(bench.settings, max_depth=2)
-        )
+        self._direct = PathJob(bench.scene, DIRECT_SAMPLER, replace(bench.settings, max_depth=2))
         self.curve: list[tuple[float, float]] = []
         self._reference = reference
         self._next_moment = 0.0
@@ -100,8 +99,8 @@ def _reference(bench: Bench) -> tuple[np.ndarray, np.ndarray]:
     """The image, and what of it is not direct light: float64 (H, W, 3). With random numbers that no
     method has, and the same for both, so that the noise of direct light is not in the latter."""
     settings = replace(bench.settings, seed=(bench.settings.seed + 1) % 2**64)
-    full = RenderJob(bench.scene, DIRECT_SAMPLER, settings)
-    direct = RenderJob(bench.scene, DIRECT_SAMPLER, replace(settings, max_depth=2))
+    full = PathJob(bench.scene, DIRECT_SAMPLER, settings)
+    direct = PathJob(bench.scene, DIRECT_SAMPLER, replace(settings, max_depth=2))
     while (seconds := full.stats().seconds) < _EFFORT * bench.seconds:
         full.render_pass()
         direct.render_pass()

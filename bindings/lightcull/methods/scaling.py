@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from .findings import Curve, Plot, Study, Table
 from .measure import TIME, Bench, Measured, exponent, measure
-from .model import Curve, Plot, Study, Table
 
 _METHODS = ("vpl_culled", "vpl_culled:tile=4", "vpl_clamped")
 _TYPICAL = 65536

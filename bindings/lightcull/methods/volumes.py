@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import matplotlib.colors
 import numpy as np
 
 from ..scene import Scene
+from .findings import Picture, Study, Table
 from .measure import TIME, Bench, Measured, measure
-from .model import Picture, Study, Table
 
 ROUGHNESSES = (0.02, 0.05, 0.1, 0.2, 0.5)
 """GGX's alpha."""
@@ -175,8 +176,6 @@ def _charts(alpha: float, found: dict[str, Measured]) -> list[Picture]:
 def heat_map(lights_of_pixels: np.ndarray, most: float) -> np.ndarray:
     """float32 (H, W, 3), [0, 1]: brightness by the lights listed, up to `most`; hue by the part of
     them that is not accepted, blue to red."""
-    import matplotlib.colors
-
     listed, accepted = lights_of_pixels[..., 0], lights_of_pixels[..., 1]
     brightness = np.clip(np.log1p(listed) / np.log1p(max(most, 1.0)), 0, 1)
     true = np.divide(accepted, listed, out=np.zeros_like(listed), where=listed > 0)

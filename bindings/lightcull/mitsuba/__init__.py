@@ -13,14 +13,16 @@ light_bvh or culled; default: culled), error_bound (a number or "auto") and sets
 both of culled. It renders in scalar_rgb, scalar_spectral, llvm_ad_rgb and llvm_ad_spectral, without
 derivatives. An integrator keeps its light sampler from one render to the next, for as long as the
 lights are the same and the camera sees the same. Any thread may render; in LLVM variants, renders
-that are called at once take turns. It raises lightcull.Error if Mitsuba is missing or of another
-version.
+that are called at once take turns. `import_scene` takes a Mitsuba scene to lightcull's own renderer.
+
+Importing this raises lightcull.Error if Mitsuba is missing or of another version.
 """
 
 from .host import mitsuba as _mitsuba
+from .importer import import_scene
 from .merge import merge_emitters
-from .scene import MitsubaScene, load_file
+from .mitsuba_scene import MitsubaScene, load_file
 
-__all__ = ["MitsubaScene", "load_file", "merge_emitters"]
+__all__ = ["MitsubaScene", "import_scene", "load_file", "merge_emitters"]
 
 _mitsuba()

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from .._core import Error
-from ..loaders.notes import Notes, UnsupportedWarning
+from ..loaders.unsupported import Notes, UnsupportedWarning
 from ..scene import Scene
 from .host import mitsuba
 
@@ -19,11 +19,17 @@ _PRINCIPLED_LEFT_OUT = ("anisotropic", "clearcoat", "flatness", "sheen", "spec_t
 """Parameters of a principled material that ours has not, where they are above 0."""
 
 
-def import_scene(source: Any, name: str = "scene") -> Scene:
-    """What `Scene.from_mitsuba` documents."""
+def import_scene(scene: Any, name: str = "scene") -> Scene:
+    """Makes a `lightcull.Scene` of a loaded `mitsuba.Scene`, for this project's own renderer.
+
+    An RGB variant must be set. Taken over are meshes and rectangles; diffuse and principled
+    materials, and those two-sided; area emitters with a colour, a texture or a `face_radiance`;
+    points, spots, environments; the first sensor. All else is named in one `UnsupportedWarning`;
+    what emits by it is left out, and materials are grey.
+    """
     if "rgb" not in mitsuba().variant():
-        raise Error(f"from_mitsuba: wanted an RGB variant, got {mitsuba().variant()}")
-    return _Import(source, name).run()
+        raise Error(f"import_scene: wanted an RGB variant, got {mitsuba().variant()}")
+    return _Import(scene, name).run()
 
 
 @dataclass(frozen=True)
@@ -52,7 +58,7 @@ class _Import:
         for emitter in self._source.emitters():
             self._add_emitter(emitter)
         if message := self._notes.message():
-            warnings.warn(f"{self._scene.name}: {message}", UnsupportedWarning, stacklevel=4)
+            warnings.warn(f"{self._scene.name}: {message}", UnsupportedWarning, stacklevel=3)
         return self._scene
 
     # ---- camera ----------------------------------------------------------------------------------

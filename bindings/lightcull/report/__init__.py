@@ -1,7 +1,18 @@
 """The report on a comparison of samplers: figures of error, JSON, CSV and a page to look at."""
 
 from . import metrics
-from .model import Comparison, Reference, SamplerRun
+from .comparison import Comparison
+from .figures import ComparisonFigures, ReferenceFigures, SamplerFigures
+from .runs import Reference, SamplerRun
 from .write import write
 
-__all__ = ["Comparison", "Reference", "SamplerRun", "metrics", "write"]
+__all__ = [
+    "Comparison",
+    "ComparisonFigures",
+    "Reference",
+    "ReferenceFigures",
+    "SamplerFigures",
+    "SamplerRun",
+    "metrics",
+    "write",
+]

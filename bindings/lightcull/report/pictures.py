@@ -5,8 +5,11 @@ from __future__ import annotations
 import io
 from dataclasses import dataclass
 
+import matplotlib
 import numpy as np
+from PIL import Image
 
+from ..images import apply_view
 from . import metrics
 
 BRIGHTNESS = 0.11
@@ -50,9 +53,7 @@ def exposure_for(reference: np.ndarray) -> float:
 
 def display(image: np.ndarray, view: str, exposure: float) -> np.ndarray:
     """What the view shows of a linear image: (H, W, 3) uint8; exposure in stops."""
-    import lightcull
-
-    shown = lightcull.apply_view(np.ascontiguousarray(image, dtype=np.float32), view, exposure)
+    shown = apply_view(np.ascontiguousarray(image, dtype=np.float32), view, exposure)
     return np.round(255.0 * np.clip(shown, 0.0, 1.0)).astype(np.uint8)
 
 
@@ -76,16 +77,12 @@ def to_palette(kind: ErrorMap, values: np.ndarray) -> np.ndarray:
 
 def palette() -> np.ndarray:
     """The colours of error maps, dark to bright: (256, 3) uint8."""
-    import matplotlib
-
     colors = matplotlib.colormaps[COLOR_MAP](np.arange(256))[:, :3]
     return np.round(255.0 * colors).astype(np.uint8)
 
 
 def encode_png(pixels: np.ndarray) -> bytes:
     """PNG of (H, W, 3) uint8, or of (H, W) uint8 that index into `palette`."""
-    from PIL import Image
-
     picture = Image.fromarray(pixels)
     if pixels.ndim == 2:
         picture.putpalette(palette().tobytes())

@@ -6,9 +6,12 @@ import io
 import re
 from typing import Any
 
+import matplotlib
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter
+
+from .figures import ComparisonFigures
 
 INK, FAINT = "#1c1f24", "#9aa1ab"
 KNOWN_COLORS = {
@@ -30,30 +33,28 @@ def sampler_colors(names: list[str]) -> dict[str, str]:
     return {name: KNOWN_COLORS.get(name) or next(others) for name in names}
 
 
-def error_against_time(figures: dict[str, Any]) -> Figure:
+def error_against_time(figures: ComparisonFigures) -> Figure:
     """Log-log, a curve for each sampler, a 1/t guide, and the noise of the reference itself."""
     figure = Figure(figsize=(8.0, 4.6), layout="constrained")
     axes = figure.subplots()
     axes.set(xscale="log", yscale="log", xlabel="seconds", ylabel="relMSE")
-    colors = sampler_colors(list(figures["samplers"]))
+    colors = sampler_colors(list(figures.samplers))
     ends = {}
-    for name, run in figures["samplers"].items():
-        points = [point for point in run["error_curve"] if point[0] > 0 and point[1]]
+    for name, run in figures.samplers.items():
+        points = [point for point in run.error_curve if point[0] > 0 and point[1]]
         if points:
             seconds, errors = np.array(points).T
             axes.plot(seconds, errors, color=colors[name], linewidth=2, marker="o", markersize=3.5)
             ends[name] = (seconds[-1], errors[-1])
     _style(axes)
     if ends:
-        _draw_guides(axes, figures["reference"]["relmse_of_itself"])
+        _draw_guides(axes, figures.reference.relmse_of_itself)
         _label_ends(axes, ends, colors)
     return figure
 
 
 def to_svg(figure: Figure) -> str:
     """The figure as an <svg> element to be put into HTML."""
-    import matplotlib
-
     stream = io.StringIO()
     nothing = {"Date": None, "Creator": None, "Format": None, "Type": None}
     with matplotlib.rc_context({"svg.fonttype": "none", "svg.hashsalt": "lightcull"}):

@@ -6,10 +6,12 @@ import csv
 import io
 import json
 from collections.abc import Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from ..images import write_whole_file
+from ..output_files import write_whole_file
+from .figures import ComparisonFigures
 
 RUN_COLUMNS = (
     "spp",
@@ -35,26 +37,27 @@ RUN_COLUMNS = (
 """Columns of report.csv that hold figures of a sampler, by their keys in report.json."""
 
 
-def write_json(figures: dict[str, Any], path: Path) -> None:
-    """Writes report.json; figures as from `figures.compute`."""
-    write_whole_file(path, (json.dumps(figures, indent=2, allow_nan=False) + "\n").encode())
+def write_json(figures: ComparisonFigures, path: Path) -> None:
+    """Writes report.json."""
+    text = json.dumps(asdict(figures), indent=2, allow_nan=False)
+    write_whole_file(path, (text + "\n").encode())
 
 
-def write_csv(figures: dict[str, Any], path: Path) -> None:
+def write_csv(figures: ComparisonFigures, path: Path) -> None:
     """Writes a line for each sampler; a figure that there is not is an empty field."""
     columns = ("scene", "width", "height", "max_depth", "threads")
     lines: list[Sequence[Any]] = [(*columns, "sampler", *RUN_COLUMNS)]
-    for name, run in figures["samplers"].items():
-        setting = [figures[key] for key in columns]
-        lines.append([*setting, name, *(run[key] for key in RUN_COLUMNS)])
+    for name, run in figures.samplers.items():
+        setting = [getattr(figures, key) for key in columns]
+        lines.append([*setting, name, *(getattr(run, key) for key in RUN_COLUMNS)])
     _write_lines(path, lines)
 
 
-def write_curves_csv(figures: dict[str, Any], path: Path) -> None:
+def write_curves_csv(figures: ComparisonFigures, path: Path) -> None:
     """Writes a line for each point of each error curve."""
     lines: list[Sequence[Any]] = [("sampler", "seconds", "relmse")]
-    for name, run in figures["samplers"].items():
-        lines.extend([name, *point] for point in run["error_curve"])
+    for name, run in figures.samplers.items():
+        lines.extend([name, *point] for point in run.error_curve)
     _write_lines(path, lines)
 
 

@@ -6,10 +6,10 @@ import io
 import re
 from pathlib import Path
 
-from ..images import write_whole_file
-from . import html, pictures, plots, tables
-from .figures import compute
-from .model import Comparison
+from ..images import view_names, write_exr
+from ..output_files import write_whole_file
+from . import page, pictures, plots, tables
+from .comparison import Comparison
 
 
 def write(comparison: Comparison, folder: str | Path) -> Path:
@@ -18,11 +18,9 @@ def write(comparison: Comparison, folder: str | Path) -> Path:
 
     Returns the path of index.html.
     """
-    import lightcull
-
     folder = Path(folder)
-    figures = compute(comparison)
-    view = lightcull.view_names()[0]
+    figures = comparison.figures
+    view = view_names()[0]
     exposure = pictures.exposure_for(comparison.reference.image)
 
     images = _images(comparison, view, exposure)
@@ -38,7 +36,7 @@ def write(comparison: Comparison, folder: str | Path) -> Path:
 
     index = folder / "index.html"
     shown_with = f"{view}, exposure {exposure:+g} stops"
-    write_whole_file(index, html.render(figures, images, shown_with).encode())
+    write_whole_file(index, page.render(figures, images, shown_with).encode())
     return index
 
 
@@ -49,7 +47,7 @@ def file_stem(name: str) -> str:
 
 def _images(comparison: Comparison, view: str, exposure: float) -> dict[str, dict[str, bytes]]:
     reference = comparison.reference.image
-    linear = {html.REFERENCE: reference}
+    linear = {page.REFERENCE: reference}
     linear.update({name: run.image for name, run in comparison.samplers.items()})
     images = {
         "image": {
@@ -68,17 +66,15 @@ def _images(comparison: Comparison, view: str, exposure: float) -> dict[str, dic
 
 
 def _write_exrs(comparison: Comparison, folder: Path) -> None:
-    import lightcull
-
     reference = comparison.reference
     about = {"scene": comparison.scene, "max_depth": str(comparison.max_depth)}
-    lightcull.write_exr(
-        str(folder / f"{html.REFERENCE}.exr"),
+    write_exr(
+        str(folder / f"{page.REFERENCE}.exr"),
         reference.image,
         metadata={**about, "sampler": reference.sampler, "spp": str(reference.spp)},
     )
     for name, run in comparison.samplers.items():
-        lightcull.write_exr(
+        write_exr(
             str(folder / f"{file_stem(name)}.exr"),
             run.image,
             metadata={**about, "sampler": name, "spp": str(run.spp), "seconds": f"{run.seconds:g}"},

@@ -3,11 +3,19 @@
 from __future__ import annotations
 
 import difflib
-import importlib
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
-if TYPE_CHECKING:
-    from lightcull import Scene
+from .._core import Error
+from ..scene import Scene
+from . import city, cornell, embers, lanterns, million
+
+_FILL: dict[str, Callable[..., None]] = {
+    "lanterns": lanterns.fill,
+    "city": city.fill,
+    "embers": embers.fill,
+    "cornell": cornell.fill,
+    "million": million.fill,
+}
 
 NAMES = {
     "lanterns": "a courtyard with columns and 2,736 lanterns: 54,720 triangle lights",
@@ -25,13 +33,11 @@ def build(name: str, **options: int) -> Scene:
     options: of `lanterns`, how many `lights`; see there. Raises lightcull.Error for a name that is
     not in `NAMES`.
     """
-    import lightcull
-
     if name not in NAMES:
         near = difflib.get_close_matches(name, NAMES, n=1, cutoff=0.0)[0]
-        raise lightcull.Error(
+        raise Error(
             f"no example scene {name!r}; did you mean {near!r}? There are: {', '.join(NAMES)}"
         )
-    scene = lightcull.Scene(name)
-    importlib.import_module(f".{name}", __name__).fill(scene, **options)
+    scene = Scene(name)
+    _FILL[name](scene, **options)
     return scene

@@ -5,19 +5,15 @@ Nearly all of the lights are in other streets than the camera.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
-from . import filling, geometry, interiors
-from .chance import Chance
+from ..scene import Scene
+from . import geometry, interiors, scene_parts
 from .color import blackbody, from_srgb, with_luminance
 from .geometry import Shape
 from .houses import BLOCK, KERB, LOT, Town, add_town, build_block, build_house
 from .plants import leafy_balls
-
-if TYPE_CHECKING:
-    from lightcull import Scene
+from .random_numbers import Chance
 
 BLOCKS = 6
 """Along either side of the town."""
@@ -51,9 +47,9 @@ def fill(scene: Scene) -> None:
 
 def _add_ground(scene: Scene, centres: np.ndarray) -> None:
     reach = BLOCKS * PITCH / 2 + STREET
-    asphalt = filling.diffuse(scene, from_srgb("#5c5d61"))
+    asphalt = scene_parts.diffuse(scene, from_srgb("#5c5d61"))
     road = geometry.quad((-reach, 0, reach), (2 * reach, 0, 0), (0, 0, -2 * reach))
-    filling.add(scene, "road", road, asphalt)
+    scene_parts.add(scene, "road", road, asphalt)
 
     half = BLOCK / 2 + (STREET - ROAD) / 2
     pavements = [
@@ -61,11 +57,11 @@ def _add_ground(scene: Scene, centres: np.ndarray) -> None:
         for x in centres
         for z in centres
     ]
-    paving = filling.diffuse(scene, from_srgb("#8d8a85"))
-    filling.add(scene, "pavements", geometry.merge(pavements), paving)
+    paving = scene_parts.diffuse(scene, from_srgb("#8d8a85"))
+    scene_parts.add(scene, "pavements", geometry.merge(pavements), paving)
 
-    paint = filling.diffuse(scene, from_srgb("#d8d6cc"))
-    filling.add(scene, "markings", _markings(), paint)
+    paint = scene_parts.diffuse(scene, from_srgb("#d8d6cc"))
+    scene_parts.add(scene, "markings", _markings(), paint)
 
 
 def _markings() -> Shape:
@@ -109,15 +105,15 @@ def _add_lamps(scene: Scene, chance: Chance, centres: np.ndarray) -> None:
     radius, top = 0.27, 4.0
     post = [(0.2, 0.0), (0.2, 0.25), (0.1, 0.4), (0.07, 0.9), (0.05, top - 0.2), (0.12, top - 0.1),
             (0.12, top - 0.02), (0.0, top)]  # fmt: skip
-    iron = filling.diffuse(scene, np.full(3, 0.05))
-    filling.add(scene, "lamp posts", geometry.scatter(geometry.lathe(post, 10), places), iron)
+    iron = scene_parts.diffuse(scene, np.full(3, 0.05))
+    scene_parts.add(scene, "lamp posts", geometry.scatter(geometry.lathe(post, 10), places), iron)
     globes = geometry.scatter(
         geometry.icosahedron(), places + (0.0, top + radius, 0.0), radius,
         chance.uniform(0, 2 * np.pi, len(places)),
     )  # fmt: skip
     color = blackbody(np.where(chance.uniform(shape=len(places)) < 0.8, 2600.0, 3900.0))
     radiance = with_luminance(color, 120.0 * chance.log_normal(0.4, len(places)))
-    filling.add_lights(scene, "lamps", globes, np.repeat(radiance, 20, axis=0))
+    scene_parts.add_lights(scene, "lamps", globes, np.repeat(radiance, 20, axis=0))
 
 
 def _add_cars(scene: Scene, chance: Chance) -> None:
@@ -151,11 +147,13 @@ def _add_cars(scene: Scene, chance: Chance) -> None:
     for i, code in enumerate(paints):
         own = which == i
         shape = geometry.scatter(body, places[own], yaws=yaws[own])
-        filling.add(scene, f"cars {code}", shape, filling.glossy(scene, from_srgb(code), 0.3))
-    glass = filling.glossy(scene, np.full(3, 0.015), roughness=0.1)
-    filling.add(scene, "car windows", geometry.scatter(cabin, places, yaws=yaws), glass)
-    rubber = filling.diffuse(scene, np.full(3, 0.03))
-    filling.add(scene, "wheels", geometry.scatter(wheels, places, yaws=yaws), rubber)
+        scene_parts.add(
+            scene, f"cars {code}", shape, scene_parts.glossy(scene, from_srgb(code), 0.3)
+        )
+    glass = scene_parts.glossy(scene, np.full(3, 0.015), roughness=0.1)
+    scene_parts.add(scene, "car windows", geometry.scatter(cabin, places, yaws=yaws), glass)
+    rubber = scene_parts.diffuse(scene, np.full(3, 0.03))
+    scene_parts.add(scene, "wheels", geometry.scatter(wheels, places, yaws=yaws), rubber)
 
     turns = yaws[len(parked) :]
     for name, z, facing, color, luminance in (
@@ -167,15 +165,15 @@ def _add_cars(scene: Scene, chance: Chance) -> None:
              for x in (-0.62, 0.62)]
         )  # fmt: skip
         lamps = geometry.scatter(lamp, driving, yaws=turns)
-        filling.add_lights(scene, name, lamps, with_luminance(color, luminance))
+        scene_parts.add_lights(scene, name, lamps, with_luminance(color, luminance))
 
 
 def _add_trees(scene: Scene, chance: Chance) -> None:
     z = np.concatenate([(np.arange(3) + 0.5) * 14.0 - 21.0 + block for block in (-36, 36, 108)])
     places = np.array([(side * (ROAD / 2 + 0.9), KERB, at + 3.4) for at in z for side in (-1, 1)])
     trunk = geometry.lathe([(0.14, 0.0), (0.09, 3.4)], 8)
-    bark = filling.diffuse(scene, from_srgb("#4b3d33"))
-    filling.add(scene, "trunks", geometry.scatter(trunk, places), bark)
+    bark = scene_parts.diffuse(scene, from_srgb("#4b3d33"))
+    scene_parts.add(scene, "trunks", geometry.scatter(trunk, places), bark)
     crowns = places + (0.0, 4.3, 0.0)
-    leaf = filling.diffuse(scene, from_srgb("#56733c"))
-    filling.add(scene, "leaves", leafy_balls(chance, crowns, (0.7, 1.6), 700, 0.13), leaf)
+    leaf = scene_parts.diffuse(scene, from_srgb("#56733c"))
+    scene_parts.add(scene, "leaves", leafy_balls(chance, crowns, (0.7, 1.6), 700, 0.13), leaf)

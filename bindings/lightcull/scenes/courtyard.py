@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
-from . import filling, geometry
-from .chance import Chance, Noise
+from ..scene import Scene
+from . import geometry, scene_parts
 from .color import from_srgb
 from .geometry import Shape, faceted
-
-if TYPE_CHECKING:
-    from lightcull import Scene
+from .random_numbers import Chance, Noise
 
 HALF_WIDTH, HALF_LENGTH = 56.0, 40.0
 """Of the court between the columns, along x and z."""
@@ -104,25 +100,27 @@ def _ring(inner: float, outer: float, bottom: float, top: float) -> Shape:
 
 
 def add_architecture(scene: Scene, chance: Chance) -> None:
-    stone = filling.diffuse(scene, from_srgb("#dcd6cc"))
-    wall = filling.diffuse(scene, from_srgb("#d0b4a0"))
-    trim = filling.diffuse(scene, from_srgb("#ece6dc"))
-    tiles = filling.diffuse(scene, from_srgb("#a5583a"))
-    wood = filling.diffuse(scene, from_srgb("#6b4a33"))
+    stone = scene_parts.diffuse(scene, from_srgb("#dcd6cc"))
+    wall = scene_parts.diffuse(scene, from_srgb("#d0b4a0"))
+    trim = scene_parts.diffuse(scene, from_srgb("#ece6dc"))
+    tiles = scene_parts.diffuse(scene, from_srgb("#a5583a"))
+    wood = scene_parts.diffuse(scene, from_srgb("#6b4a33"))
 
-    filling.add(scene, "arches", around(_arch(SPRING, CEILING)), stone)
-    filling.add(scene, "columns", around(_column(0.0, SPRING)), trim)
-    filling.add(scene, "ceiling", _ring(-0.28, DEPTH, CEILING, EAVES), trim)
-    filling.add(scene, "walls", _ring(DEPTH, DEPTH + WALL, 0.0, EAVES), wall)
-    filling.add(scene, "doors", around(_door(0.0)), wood)
-    filling.add(scene, "roof", _roof(EAVES), tiles)
+    scene_parts.add(scene, "arches", around(_arch(SPRING, CEILING)), stone)
+    scene_parts.add(scene, "columns", around(_column(0.0, SPRING)), trim)
+    scene_parts.add(scene, "ceiling", _ring(-0.28, DEPTH, CEILING, EAVES), trim)
+    scene_parts.add(scene, "walls", _ring(DEPTH, DEPTH + WALL, 0.0, EAVES), wall)
+    scene_parts.add(scene, "doors", around(_door(0.0)), wood)
+    scene_parts.add(scene, "roof", _roof(EAVES), tiles)
 
     across, along = HALF_WIDTH + DEPTH, HALF_LENGTH + DEPTH
     ground = geometry.quad(
         (-across, 0.0, along), (2 * across, 0, 0), (0, 0, -2 * along),
         (across / 2.4, along / 2.4),
     )  # fmt: skip
-    filling.add(scene, "ground", ground, filling.diffuse(scene, np.ones(3), _paving(chance)))
+    scene_parts.add(
+        scene, "ground", ground, scene_parts.diffuse(scene, np.ones(3), _paving(chance))
+    )
 
 
 def _door(floor: float) -> Shape:
@@ -177,12 +175,12 @@ def _paving(chance: Chance) -> np.ndarray:
 
 
 def add_fountain(scene: Scene) -> None:
-    marble = filling.diffuse(scene, from_srgb("#e6ddd0"))
-    water = filling.glossy(scene, from_srgb("#0d2b33"), roughness=0.22)
+    marble = scene_parts.diffuse(scene, from_srgb("#e6ddd0"))
+    water = scene_parts.glossy(scene, from_srgb("#0d2b33"), roughness=0.22)
     r = BASIN
     wall = [(r, 0), (r, 0.12), (r - 0.2, 0.18), (r - 0.2, 0.55), (r - 0.08, 0.6), (r - 0.08, 0.68),
             (r - 0.4, 0.68)]  # fmt: skip
     stem = [(r - 0.4, 0.1), (0.3, 0.1), (0.22, 0.8), (0.16, 1.3), (0.3, 1.42)]
     bowl = [(0.85, 1.58), (0.9, 1.66), (0.82, 1.66), (0.2, 1.55), (0.1, 1.9), (0.0, 1.95)]
-    filling.add(scene, "fountain", geometry.lathe(wall + stem + bowl, 48), marble)
-    filling.add(scene, "water", geometry.lathe([(r - 0.4, 0.52), (0.25, 0.52)], 48), water)
+    scene_parts.add(scene, "fountain", geometry.lathe(wall + stem + bowl, 48), marble)
+    scene_parts.add(scene, "water", geometry.lathe([(r - 0.4, 0.52), (0.25, 0.52)], 48), water)

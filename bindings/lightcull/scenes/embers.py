@@ -7,17 +7,13 @@ those of glowing coal, the stronger the hotter.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
-from . import filling, geometry
-from .chance import Chance, Noise
+from ..scene import Scene
+from . import geometry, scene_parts
 from .color import blackbody, from_srgb, with_luminance
 from .geometry import Shape
-
-if TYPE_CHECKING:
-    from lightcull import Scene
+from .random_numbers import Chance, Noise
 
 EMBERS = 250_000
 DECADES = 6.0
@@ -34,15 +30,13 @@ def fill(scene: Scene) -> None:
     _add_stones(scene, chance)
     _add_bowl(scene)
     _add_embers(scene, chance)
-    scene.set_camera(
-        origin=(7.4, 1.3, 2.6), target=(6.0, 0.1, 1.2), vertical_fov=np.radians(40.0)
-    )
+    scene.set_camera(origin=(7.4, 1.3, 2.6), target=(6.0, 0.1, 1.2), vertical_fov=np.radians(40.0))
 
 
 def _add_floor(scene: Scene, chance: Chance) -> None:
     floor = geometry.quad((-30, 0, 30), (60, 0, 0), (0, 0, -60), (15, 15))
-    material = filling.glossy(scene, np.ones(3), 0.26, texture=_slabs(chance))
-    filling.add(scene, "floor", floor, material)
+    material = scene_parts.glossy(scene, np.ones(3), 0.26, texture=_slabs(chance))
+    scene_parts.add(scene, "floor", floor, material)
 
 
 def _slabs(chance: Chance) -> np.ndarray:
@@ -60,7 +54,7 @@ def _slabs(chance: Chance) -> np.ndarray:
 def _add_stones(scene: Scene, chance: Chance) -> None:
     """Rough monoliths in a ring, open towards the camera."""
     noise = Noise(chance)
-    granite = filling.diffuse(scene, from_srgb("#a39b92"))
+    granite = scene_parts.diffuse(scene, from_srgb("#a39b92"))
     count = 13
     angles = np.pi / 2 + 2 * np.pi * (np.arange(count) + 0.5) / count
     stones = []
@@ -70,7 +64,7 @@ def _add_stones(scene: Scene, chance: Chance) -> None:
         stone = stone.turned(np.pi / 2 - angle + float(chance.uniform(-0.25, 0.25)))
         radius = chance.uniform(4.7, 5.4)
         stones.append(stone.moved(radius * np.cos(angle), size[1] - 0.1, radius * np.sin(angle)))
-    filling.add(scene, "stones", geometry.merge(stones), granite)
+    scene_parts.add(scene, "stones", geometry.merge(stones), granite)
 
 
 def _monolith(noise: Noise, size: tuple, seed: float) -> Shape:
@@ -94,10 +88,10 @@ def _smooth_normals(positions: np.ndarray, indices: np.ndarray) -> np.ndarray:
 
 
 def _add_bowl(scene: Scene) -> None:
-    iron = filling.glossy(scene, from_srgb("#6a5f58"), roughness=0.35, metallic=1.0)
+    iron = scene_parts.glossy(scene, from_srgb("#6a5f58"), roughness=0.35, metallic=1.0)
     foot = [(0.0, 0.0), (0.62, 0.0), (0.62, 0.1), (0.2, 0.22), (0.16, 0.55), (0.5, 0.68)]
     basin = [(0.88, 0.9), (0.98, BOWL_TOP), (0.92, BOWL_TOP), (0.8, 0.92), (0.0, 0.72)]
-    filling.add(scene, "bowl", geometry.lathe(foot + basin, 64), iron)
+    scene_parts.add(scene, "bowl", geometry.lathe(foot + basin, 64), iron)
 
 
 def _add_embers(scene: Scene, chance: Chance) -> None:
@@ -119,7 +113,7 @@ def _add_embers(scene: Scene, chance: Chance) -> None:
     )
     color = blackbody(np.linspace(2150.0, 1900.0, 256))[np.round(255 * exponent).astype(int)]
     radiance = with_luminance(color, power / (2 * np.pi * area))
-    filling.add_lights(scene, "embers", triangles, radiance, two_sided=True)
+    scene_parts.add_lights(scene, "embers", triangles, radiance, two_sided=True)
 
 
 def _whirl(chance: Chance, count: int) -> np.ndarray:

@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from . import filling, geometry, interiors
-from .chance import Chance
+from ..scene import Scene
+from . import geometry, interiors, scene_parts
 from .color import blackbody, from_srgb, with_luminance
 from .facade import Face, Grid, pierced_wall
 from .geometry import Shape
-
-if TYPE_CHECKING:
-    from lightcull import Scene
+from .random_numbers import Chance
 
 BLOCK = 54.0
 """Side of a block, metres."""
@@ -44,7 +41,7 @@ class Panes:
         self.uvs.append(uvs)
 
     def add_to(self, scene: Scene, name: str, texture: np.ndarray) -> None:
-        filling.add_lights(
+        scene_parts.add_lights(
             scene,
             name,
             geometry.quads(np.concatenate(self.corners), np.concatenate(self.uvs)),
@@ -235,14 +232,14 @@ def _furnish_roof(town: Town, chance: Chance, brick: int, low: np.ndarray, heigh
 def add_town(scene: Scene, town: Town) -> None:
     for code, walls, bodies in zip(BRICKS, town.walls, town.bodies):
         shape = geometry.merge((geometry.quads(np.concatenate(walls)), *bodies))
-        filling.add(scene, f"houses {code}", shape, filling.diffuse(scene, from_srgb(code)))
-    glass = filling.glossy(scene, np.full(3, 0.02), roughness=0.03)
-    filling.add(scene, "dark windows", geometry.quads(np.concatenate(town.glass)), glass)
-    cloth = filling.diffuse(scene, from_srgb("#7d2f2a"))
-    filling.add(scene, "awnings", geometry.quads(np.concatenate(town.awnings)), cloth)
+        scene_parts.add(scene, f"houses {code}", shape, scene_parts.diffuse(scene, from_srgb(code)))
+    glass = scene_parts.glossy(scene, np.full(3, 0.02), roughness=0.03)
+    scene_parts.add(scene, "dark windows", geometry.quads(np.concatenate(town.glass)), glass)
+    cloth = scene_parts.diffuse(scene, from_srgb("#7d2f2a"))
+    scene_parts.add(scene, "awnings", geometry.quads(np.concatenate(town.awnings)), cloth)
     town.windows.add_to(scene, "lit windows", town.rooms.texels)
     town.shops.add_to(scene, "shop windows", town.goods.texels)
-    filling.add_lights(
+    scene_parts.add_lights(
         scene,
         "signs",
         geometry.merge(town.signs),

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .chance import Chance
+from .random_numbers import Chance
 
 
 @dataclass(frozen=True)

@@ -7,17 +7,14 @@ larger. The same court can be lit by more and dimmer lanterns, or by fewer and b
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
-from . import courtyard, filling, geometry
-from .chance import Chance
+from .._core import Error
+from ..scene import Scene
+from . import courtyard, geometry, scene_parts
 from .color import from_srgb, with_luminance
 from .courtyard import BASIN, BAY, DEPTH, HALF_LENGTH, HALF_WIDTH
-
-if TYPE_CHECKING:
-    from lightcull import Scene
+from .random_numbers import Chance
 
 LANTERNS = 2736
 LIGHTS = 20 * LANTERNS
@@ -35,10 +32,8 @@ def fill(scene: Scene, lights: int = LIGHTS) -> None:
     fewer, and are taken closer together where they are more, for lanterns that are smaller in
     proportion and nearer to the ground. The power of all together stays.
     """
-    import lightcull
-
     if lights < 20 or lights % 20 != 0:
-        raise lightcull.Error(f"lanterns: lights must be a multiple of 20, got {lights}")
+        raise Error(f"lanterns: lights must be a multiple of 20, got {lights}")
     chance = Chance(2736)
     courtyard.add_architecture(scene, chance)
     courtyard.add_fountain(scene)
@@ -63,10 +58,10 @@ def _add_lanterns(scene: Scene, chance: Chance, count: int) -> None:
     turns = chance.uniform(0, 2 * np.pi, count)
     lanterns = geometry.scatter(geometry.icosahedron(), tops, radii, turns)
     radiance = _radiance(chance, power * TOTAL_POWER / power.sum(), radii)
-    filling.add_lights(scene, "lanterns", lanterns, np.repeat(radiance, 20, axis=0))
+    scene_parts.add_lights(scene, "lanterns", lanterns, np.repeat(radiance, 20, axis=0))
     stakes = np.stack((tops * (1.0, 0.0, 1.0), tops), axis=1)
-    bamboo = filling.diffuse(scene, from_srgb("#c8b48c"))
-    filling.add(scene, "stakes", geometry.tubes(stakes, 0.006 * shrink), bamboo)
+    bamboo = scene_parts.diffuse(scene, from_srgb("#c8b48c"))
+    scene_parts.add(scene, "stakes", geometry.tubes(stakes, 0.006 * shrink), bamboo)
 
 
 def _taken(chance: Chance, places: int, count: int) -> np.ndarray:

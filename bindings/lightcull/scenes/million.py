@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
-from . import filling, geometry
-from .chance import Chance, Noise
+from ..scene import Scene
+from . import geometry, scene_parts
 from .color import from_srgb
 from .plants import leafy_balls
-
-if TYPE_CHECKING:
-    from lightcull import Scene
+from .random_numbers import Chance, Noise
 
 BULBS = 51_200
 HALF = 130.0
@@ -38,7 +34,7 @@ def fill(scene: Scene) -> None:
     _add_ground(scene, ground)
     _add_bulbs(scene, chance, ground)
     _add_trees(scene, chance, ground)
-    filling.sky(
+    scene_parts.sky(
         scene,
         zenith=0.030 * from_srgb("#24429a"),
         horizon=0.15 * from_srgb("#7f8cc4"),
@@ -52,8 +48,8 @@ def _add_ground(scene: Scene, ground: Ground) -> None:
     reach = 1.6 * HALF
     axis = np.linspace(-reach, reach, 401)
     heights = ground(*np.meshgrid(axis, axis))
-    snow = filling.diffuse(scene, from_srgb("#dfe2e6"))
-    filling.add(scene, "ground", geometry.height_field(axis, axis, heights), snow)
+    snow = scene_parts.diffuse(scene, from_srgb("#dfe2e6"))
+    scene_parts.add(scene, "ground", geometry.height_field(axis, axis, heights), snow)
 
 
 def _path(z: np.ndarray) -> np.ndarray:
@@ -74,11 +70,11 @@ def _add_bulbs(scene: Scene, chance: Chance, ground: Ground) -> None:
         geometry.icosahedron(), centres, radius, chance.uniform(0, 2 * np.pi, BULBS)
     )
     radiance = _radiance(chance, x, z)
-    filling.add_lights(scene, "bulbs", bulbs, np.repeat(radiance, 20, axis=0))
+    scene_parts.add_lights(scene, "bulbs", bulbs, np.repeat(radiance, 20, axis=0))
 
     feet = np.column_stack((x, foot - 0.05, z))
     stalks = geometry.tubes(np.stack((feet, centres), axis=1), 0.012)
-    filling.add(scene, "stalks", stalks, filling.diffuse(scene, from_srgb("#7d8a72")))
+    scene_parts.add(scene, "stalks", stalks, scene_parts.diffuse(scene, from_srgb("#7d8a72")))
 
 
 def _radiance(chance: Chance, x: np.ndarray, z: np.ndarray) -> np.ndarray:
@@ -102,14 +98,14 @@ def _add_trees(scene: Scene, chance: Chance, ground: Ground) -> None:
     foot = np.column_stack((x, ground(x, z), z))
     scale = chance.uniform(0.8, 1.4, len(x))
     trunk = geometry.lathe([(0.55, -0.5), (0.38, 0.6), (0.28, 5.0)], 12)
-    bark = filling.diffuse(scene, from_srgb("#4e4036"))
-    filling.add(scene, "trunks", geometry.scatter(trunk, foot, scale), bark)
+    bark = scene_parts.diffuse(scene, from_srgb("#4e4036"))
+    scene_parts.add(scene, "trunks", geometry.scatter(trunk, foot, scale), bark)
     crowns = []
     for place, size in zip(foot, scale):
         for _ in range(7):
             offset = chance.normal(3) * (1.3, 0.6, 1.3) * size
             crowns.append(place + (0.0, 5.6 * size, 0.0) + offset)
-    leaf = filling.diffuse(scene, from_srgb("#5f7a48"))
-    filling.add(
+    leaf = scene_parts.diffuse(scene, from_srgb("#5f7a48"))
+    scene_parts.add(
         scene, "leaves", leafy_balls(chance, np.array(crowns), (0.8, 1.9), 1500, 0.16), leaf
     )

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from . import geometry
-from .chance import Chance
 from .geometry import Shape
+from .random_numbers import Chance
 
 
 def leafy_balls(

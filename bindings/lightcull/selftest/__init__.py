@@ -1,6 +1,6 @@
 """Hard cases: what the library answers beside what is known to be right, on this machine."""
 
-from .model import Result
-from .run import run
+from .case import Result
+from .runner import run
 
 __all__ = ["Result", "run"]

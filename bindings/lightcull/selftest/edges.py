@@ -9,8 +9,8 @@ import numpy as np
 
 from .. import _core
 from ..sampler import LightSampler
-from .model import Case, Cases, Finding
-from .some import directions, floats
+from .case import Case, Cases, Finding
+from .lit_points import directions, floats
 
 _SETS = 4096
 _ULPS = 76

@@ -9,9 +9,11 @@ from functools import cached_property
 import numpy as np
 
 from .. import scenes
-from ..render import RenderJob, RenderSettings, render
+from ..rendering.path_job import PathJob
+from ..rendering.render import render
+from ..rendering.settings import RenderSettings
 from ..scene import Scene
-from .model import Case, Cases, Finding
+from .case import Case, Cases, Finding
 
 _QUAD = np.array([[0, 1, 2], [0, 2, 3]], np.uint32)
 _NOISE = 6.0
@@ -56,13 +58,13 @@ def _furnace(albedo: float) -> Iterator[Finding]:
     bounces = 64
     truth = sum(albedo**k for k in range(bounces + 1))
     for sampler in ("culled", "light_bvh"):
-        job = RenderJob(_box(albedo), sampler, RenderSettings((16, 16), bounces + 1, 1, 0))
+        job = PathJob(_box(albedo), sampler, RenderSettings((16, 16), bounces + 1, 1, 0))
         passes = np.array([_next_pass(job).mean() for _ in range(24)])
         noise = passes.std(ddof=1) / math.sqrt(len(passes))
         yield Finding(sampler, abs(passes.mean() - truth) / truth, _NOISE * noise / truth + 1e-5)
 
 
-def _next_pass(job: RenderJob) -> np.ndarray:
+def _next_pass(job: PathJob) -> np.ndarray:
     """The samples of one pass: float64 (H, W, 3)."""
     before = job.checkpoint().sums
     job.render_pass()
@@ -140,7 +142,7 @@ class Fireflies:
         for sampler in _FIREFLY_SAMPLERS:
             largest = []
             for seed in _SEEDS:
-                job = RenderJob(scene, sampler, RenderSettings(size, 3, seed, 0))
+                job = PathJob(scene, sampler, RenderSettings(size, 3, seed, 0))
                 samples = np.array([_next_pass(job)[~seen] for _ in range(16)])
                 largest.append(samples.max() / samples.mean())
             found[sampler] = float(np.median(largest))

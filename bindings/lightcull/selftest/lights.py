@@ -8,31 +8,30 @@ from functools import cached_property
 import numpy as np
 
 from .. import _core
-from ..sampler import LightSampler
-from . import samplers
-from .model import Case, Cases, Finding
-from .samplers import EPSILON, Setting
-from .some import directions, floats, mixed_lights, mixed_setting
+from . import sampler_checks
+from .case import Case, Cases, Finding
+from .lit_points import Setting, directions, floats, mixed_lights, mixed_setting
+from .sampler_checks import EPSILON
 
 _MANY = 2**20 + 1
 
 
 def cases() -> Cases:
-    yield Case("powers over twelve decades", lambda: samplers.all_of(_twelve_decades()))
+    yield Case("powers over twelve decades", lambda: sampler_checks.all_of(_twelve_decades()))
     yield Case("one light with 0.999999 of the power", _OneAndAMillion().find)
-    yield Case("all lights in one point", lambda: samplers.all_of(_in_one_point()))
-    yield Case("all lights in a line", lambda: samplers.all_of(_in_a_line()))
+    yield Case("all lights in one point", lambda: sampler_checks.all_of(_in_one_point()))
+    yield Case("all lights in a line", lambda: sampler_checks.all_of(_in_a_line()))
     yield Case("two lights in one place, back to back", _back_to_back)
     yield Case("triangles of zero area", _zero_area)
-    yield Case("needles of aspect 1e7", lambda: samplers.all_of(_needles()))
+    yield Case("needles of aspect 1e7", lambda: sampler_checks.all_of(_needles()))
     yield Case("areas and intensities of triangles", _intensities, once=True)
     for radiance in (0.0, 1e-44, 1e30):
         yield Case(f"radiance {radiance:g}", lambda r=radiance: _radiance(r))
     for count in (0, 1, 2, 7, 8, 9):
-        yield Case(f"{count} lights", lambda n=count: samplers.all_of(_so_many(n)))
+        yield Case(f"{count} lights", lambda n=count: sampler_checks.all_of(_so_many(n)))
     yield Case("2^20 + 1 lights", _VeryMany().find)
     for count in (0, 1, 7, 8, 9, 17):
-        yield Case(f"{count} points in a batch", lambda n=count: samplers.choices(_points(n)))
+        yield Case(f"{count} points in a batch", lambda n=count: sampler_checks.choices(_points(n)))
 
 
 def _twelve_decades() -> Setting:
@@ -60,7 +59,7 @@ class _OneAndAMillion:
         power = setting.lights["intensity"].astype(np.float64) / (way**2).sum(axis=1)
         truth = power / power.sum()
         point = (setting.positions, setting.normals)
-        for description in ("exhaustive", *samplers.TREES, "culled"):
+        for description in ("exhaustive", *sampler_checks.TREES, "culled"):
             sampler = setting.sampler(description)
             chosen = sampler.select(*point, np.float32([0.5]))
             prob = sampler.prob(*point, chosen, np.zeros(1, np.uint32))
@@ -91,7 +90,9 @@ def _in_a_line() -> Setting:
 
 def _back_to_back() -> Iterator[Finding]:
     """A point sees the one that faces it; with normals of length 0, so do all."""
-    corners = floats(np.array([[[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 0, 0], [0, 1, 0], [1, 0, 0]]]))
+    corners = floats(
+        np.array([[[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 0, 0], [0, 1, 0], [1, 0, 0]]])
+    )
     lights = _core.triangle_lights(corners, np.ones(2, np.float32))
     positions = mixed_setting().positions + np.float32([0, 0, 0.01])
     setting = Setting(lights, positions, np.zeros_like(positions))
@@ -107,7 +108,7 @@ def _back_to_back() -> Iterator[Finding]:
         yield Finding(f"{description}: of the one that faces away",
                       float(probs[away & np.isfinite(probs)].max(initial=0)), 1e-2)  # fmt: skip
         yield Finding(f"{description}: chosen though it faces away", float(wrong.sum()), 1)
-    yield from samplers.all_of(setting)
+    yield from sampler_checks.all_of(setting)
 
 
 def _triangles(corners: np.ndarray, radiance: float = 1.0) -> Setting:
@@ -128,7 +129,7 @@ def _zero_area() -> Iterator[Finding]:
     setting = _triangles(corners)
     first = len(mixed_setting().lights)
     yield Finding("intensity", float(setting.lights["intensity"][first:].max()), 0)
-    for description in samplers.UNBIASED:
+    for description in sampler_checks.UNBIASED:
         if description == "uniform":
             continue
         chosen = setting.sampler(description).select(
@@ -136,7 +137,7 @@ def _zero_area() -> Iterator[Finding]:
         )
         wrong = (chosen["prob"] > 0) & (chosen["light"] >= first)
         yield Finding(f"{description}: chosen", float(wrong.sum()), 0)
-    yield from samplers.all_of(setting)
+    yield from sampler_checks.all_of(setting)
 
 
 def _needle_corners() -> np.ndarray:
@@ -170,7 +171,7 @@ def _intensities() -> Iterator[Finding]:
 def _radiance(radiance: float) -> Iterator[Finding]:
     """Beside others, and alone, where all of it is relative to the brightest."""
     corners = np.random.default_rng(28).uniform(-1, 1, (50, 3, 3))
-    yield from samplers.choices(_triangles(corners, radiance))
+    yield from sampler_checks.choices(_triangles(corners, radiance))
     mixed = mixed_setting()
     alone = _core.triangle_lights(floats(corners), np.full(50, radiance, np.float32))
     setting = Setting(alone, mixed.positions, mixed.normals)
@@ -179,7 +180,7 @@ def _radiance(radiance: float) -> Iterator[Finding]:
             mixed.positions, mixed.normals, setting.numbers(8)
         )
         yield Finding("culled: chosen", float((chosen["prob"] > 0).sum()), 0)
-    yield from samplers.all_of(setting)
+    yield from sampler_checks.all_of(setting)
 
 
 def _so_many(count: int) -> Setting:
@@ -206,8 +207,8 @@ class _VeryMany:
     @cached_property
     def totals(self) -> list[Finding]:
         """prob() is the same with all instruction sets."""
-        return list(samplers.totals(self.setting, ("light_bvh",)))
+        return list(sampler_checks.totals(self.setting, ("light_bvh",)))
 
     def find(self) -> Iterator[Finding]:
         yield from self.totals
-        yield from samplers.choices(self.setting, ("culled:sets=4", "light_bvh"))
+        yield from sampler_checks.choices(self.setting, ("culled:sets=4", "light_bvh"))

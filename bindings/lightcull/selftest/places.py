@@ -8,10 +8,10 @@ import numpy as np
 
 from .._core import Error
 from ..sampler import LightSampler
-from . import samplers
-from .model import Case, Cases, Finding
-from .samplers import EPSILON, Setting
-from .some import floats, mixed_lights, mixed_setting, points_setting
+from . import sampler_checks
+from .case import Case, Cases, Finding
+from .lit_points import Setting, floats, mixed_lights, mixed_setting, points_setting
+from .sampler_checks import EPSILON
 
 
 def cases() -> Cases:
@@ -20,14 +20,14 @@ def cases() -> Cases:
     for exponent in range(3, 8):
         moved = _Moved(10.0**exponent)
         yield Case(f"origin 1e{exponent} scene sizes away", moved.find, note=moved.note)
-    yield Case("points on lights", lambda: samplers.all_of(_on_lights(0.0)))
-    yield Case("points inside bounding spheres", lambda: samplers.all_of(_on_lights(0.5)))
-    yield Case("points one ulp off lights", lambda: samplers.all_of(_one_ulp_off()))
-    yield Case("points in the planes of lights", lambda: samplers.all_of(_in_planes()))
+    yield Case("points on lights", lambda: sampler_checks.all_of(_on_lights(0.0)))
+    yield Case("points inside bounding spheres", lambda: sampler_checks.all_of(_on_lights(0.5)))
+    yield Case("points one ulp off lights", lambda: sampler_checks.all_of(_one_ulp_off()))
+    yield Case("points in the planes of lights", lambda: sampler_checks.all_of(_in_planes()))
     yield Case("lights below the horizon", _below_horizon)
-    yield Case("points 1e-20 m from lights", lambda: samplers.all_of(_far(1e-20)))
-    yield Case("points 1e20 m from lights", lambda: samplers.choices(_far(1e20)))
-    yield Case("normals of length 0", lambda: samplers.all_of(_normals(0.0)))
+    yield Case("points 1e-20 m from lights", lambda: sampler_checks.all_of(_far(1e-20)))
+    yield Case("points 1e20 m from lights", lambda: sampler_checks.choices(_far(1e20)))
+    yield Case("normals of length 0", lambda: sampler_checks.all_of(_normals(0.0)))
     yield Case("grazing normals", _grazing)
     yield Case("normals that are not normalised", _refused, once=True)
 
@@ -47,7 +47,7 @@ def _against_closed_form(setting: Setting, size: float, what: str) -> Finding:
     """
     apart = (setting.positions[:, None] != setting.lights["center"]).any(axis=2).all(axis=1)
     setting = Setting(setting.lights, setting.positions[apart], setting.normals[apart])
-    ours = samplers.probs_of_all(setting.sampler("exhaustive"), setting)
+    ours = sampler_checks.probs_of_all(setting.sampler("exhaustive"), setting)
     truth = _closed_form(setting.lights, setting.positions, setting.normals)
     way = setting.lights["center"].astype(np.float64) - setting.positions[:, None]
     distance = np.sqrt((way**2).sum(axis=2)) / size
@@ -69,7 +69,9 @@ def _scaled(scale: float) -> Iterator[Finding]:
     lights = mixed.lights.copy()
     lights["center"] *= np.float32(scale)
     lights["radius"] *= np.float32(scale)
-    yield from samplers.all_of(Setting(lights, floats(mixed.positions * scale), mixed.normals))
+    yield from sampler_checks.all_of(
+        Setting(lights, floats(mixed.positions * scale), mixed.normals)
+    )
 
 
 class _Moved:
@@ -98,7 +100,7 @@ class _Moved:
         lights = mixed.lights.copy()
         lights["center"] = mixed.lights["center"] + shift
         setting = Setting(lights, floats(mixed.positions + shift), mixed.normals)
-        yield from samplers.all_of(setting)
+        yield from sampler_checks.all_of(setting)
         yield _as_at_the_origin(setting, shift)
 
 
@@ -110,7 +112,7 @@ def _as_at_the_origin(moved: Setting, shift: np.ndarray) -> Finding:
     lights = moved.lights.copy()
     lights["center"] = moved.lights["center"] - base
     back = Setting(lights, floats(moved.positions - base), moved.normals)
-    a, b = (samplers.probs_of_all(s.sampler("exhaustive"), s) for s in (moved, back))
+    a, b = (sampler_checks.probs_of_all(s.sampler("exhaustive"), s) for s in (moved, back))
     error = float(np.abs(a - b).max() / b.max())
     # The middle of the scene, to which all is moved first, is rounded like any coordinate.
     return Finding("exhaustive: moved and at the origin", error, EPSILON * (512 + len(lights)))
@@ -154,11 +156,11 @@ def _below_horizon() -> Iterator[Finding]:
     positions = setting.positions.copy()
     positions[:, 2] = np.abs(positions[:, 2])
     dark = Setting(lights, positions, up)
-    for description in ("culled", "exhaustive", *samplers.TREES):
+    for description in ("culled", "exhaustive", *sampler_checks.TREES):
         sampler = dark.sampler(description)
         chosen = sampler.select(dark.positions, dark.normals, dark.numbers(4))
         yield Finding(f"{description}: lights chosen", float((chosen["prob"] > 0).sum()), 0)
-    yield from samplers.all_of(Setting(lights, positions, -up))
+    yield from sampler_checks.all_of(Setting(lights, positions, -up))
 
 
 def _far(distance: float) -> Setting:
@@ -180,7 +182,7 @@ def _grazing() -> Iterator[Finding]:
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     for toward in (-np.inf, np.inf):
         grazing = np.nextafter(floats(normals), np.float32(toward))
-        yield from samplers.all_of(Setting(setting.lights, setting.positions, grazing))
+        yield from sampler_checks.all_of(Setting(setting.lights, setting.positions, grazing))
 
 
 def _refused() -> Iterator[Finding]:
@@ -196,4 +198,4 @@ def _refused() -> Iterator[Finding]:
         else:
             taken += 1
     yield Finding("lengths that are taken", float(taken), 0)
-    yield from samplers.choices(_normals(1.0004))
+    yield from sampler_checks.choices(_normals(1.0004))

@@ -1,0 +1,101 @@
+"""lightcull info."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+
+from .. import _core, memory
+from .._core import Error
+from ..rendering.memory_need import MemoryNeed, memory_need
+from ..rendering.method import PATH
+from ..rendering.path_job import PathJob
+from ..rendering.settings import RenderSettings
+from ..rendering.virtual_light_job import VirtualLightJob
+from ..scene import Scene
+from .options import InfoOptions
+
+
+def run(options: InfoOptions, messages: Console) -> bool:
+    """Prints what is in a scene, what memory a render of it takes, and the devices there are."""
+    scene, settings, by_paths = options.scene, options.settings, options.method == PATH
+    # Before anything else takes memory that a render does not.
+    job = (
+        PathJob(scene, options.sampler, settings)
+        if by_paths
+        else VirtualLightJob(scene, options.method, options.sampler, settings)
+    )
+    need = memory_need(job, settings.size)
+    ways = options.sampler if by_paths else f"{options.sampler} and {options.method}"
+    memory_fact = ("memory", _memory(need, ways, settings))
+    table = Table(show_header=False, box=None)
+    for name, value in (*_facts(scene), memory_fact, *_devices()):
+        table.add_row(name, value)
+    Console(highlight=False).print(table)
+    return True
+
+
+def _devices() -> Iterator[tuple[str, str]]:
+    """What selections can run on."""
+    yield "device", f"cpu: {_core.instruction_set()}"
+    try:
+        devices = _core.vulkan_devices()
+    except Error as error:
+        yield "no device", str(error)
+        return
+    for name, problem in devices:
+        what = ": ".join(filter(None, ("vulkan", name, problem)))
+        yield "no device" if problem else "device", what
+
+
+def _memory(need: MemoryNeed, ways: str, settings: RenderSettings) -> str:
+    width, height = settings.size
+    parts = {
+        "program": need.program,
+        "scene": need.scene,
+        "Embree's tree": need.bvh,
+        "sampler": need.sampler,
+        "image": need.image,
+        "paths": need.paths,
+    }
+    if need.virtual_lights:
+        parts["virtual lights"] = need.virtual_lights
+    return (
+        f"{memory.text(need.peak)} at most to render {width}x{height} by {ways}: "
+        + ", ".join(f"{name} {memory.text(size)}" for name, size in parts.items())
+        + f"; {memory.text(need.setup)} while it is set up"
+    )
+
+
+def _facts(scene: Scene) -> Iterator[tuple[str, str]]:
+    lights, counts, bounds = scene.lights(), scene.counts, scene.bounds
+    triangles = len(lights) - counts["points"] - counts["spots"] - counts["virtual lights"]
+    yield "scene", scene.name
+    yield "triangles", f"{scene.triangle_count:,} in {counts['meshes']:,} meshes"
+    yield "materials", f"{counts['materials']:,}, textures {counts['textures']:,}"
+    yield (
+        "lights",
+        f"{len(lights):,}: {triangles:,} triangles, {counts['points']:,} points, "
+        f"{counts['spots']:,} spots"
+        + (f", {counts['virtual lights']:,} virtual lights" if counts["virtual lights"] else ""),
+    )
+    strong = lights["intensity"][lights["intensity"] > 0]
+    if len(strong):
+        low, middle, high = np.quantile(strong, (0, 0.5, 1))
+        yield "intensity", f"{low:.3g} to {high:.3g} W/sr, median {middle:.3g}"
+    yield "environment", "yes" if scene.has_environment else "no"
+    if bounds is not None:
+        yield "bounds", f"{_vector(bounds[0])} to {_vector(bounds[1])} m"
+    camera = scene.camera
+    yield (
+        "camera",
+        f"at {_vector(camera.origin)}, towards {_vector(camera.target)}, "
+        f"{np.degrees(camera.vertical_fov):.0f} degrees high",
+    )
+
+
+def _vector(values: Sequence[float] | np.ndarray) -> str:
+    return "(" + ", ".join(f"{value:.4g}" for value in values) + ")"

@@ -1,0 +1,205 @@
+"""What the command line understands."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from typing import NoReturn
+
+from ..bench import DEFAULT_SAMPLERS as BENCH_SAMPLERS
+from ..bench import DEFAULT_SIZE as BENCH_SIZE
+from ..bench import DEFAULT_THREADS as BENCH_THREADS
+from ..comparing.compare import DEFAULT_SAMPLERS
+from ..methods.studies import MOST_LIGHTS
+from ..rendering.method import METHODS, PATH
+from . import argument_types as types
+from . import help_texts as texts
+from .messages import one_line
+
+
+class _Parser(argparse.ArgumentParser):
+    """Says what is wrong in one line."""
+
+    def error(self, message: str) -> NoReturn:
+        self.exit(2, f"{self.prog}: error: {one_line(message)} (see {self.prog} --help)\n")
+
+
+def make_parser() -> argparse.ArgumentParser:
+    """The parser of the whole command line."""
+    parser = _make(_Parser, "lightcull", texts.OVERVIEW, texts.EXAMPLES)
+    commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
+    about = texts.OVERVIEW.split("\n", 2)[2]
+
+    def add(name: str, summary: str, examples: str) -> argparse.ArgumentParser:
+        command: argparse.ArgumentParser = commands.add_parser(
+            name,
+            help=summary,
+            description=f"{summary[0].upper()}{summary[1:]}.\n\n{about}",
+            epilog=examples,
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+        )
+        return command
+
+    render = add("render", "render a scene to an image", texts.RENDER)
+    _add_sampler(render)
+    _add_method(render)
+    render.add_argument("--view", help="of a .png: see through this view; default: the first")
+    render.add_argument(
+        "--exposure", type=types.finite, metavar="STOPS", help="of a .png: brighten it; default: 0"
+    )
+    render.add_argument(
+        "--checkpoint", metavar="FILE", help="save the render to go on from later; a new file"
+    )
+    render.add_argument(
+        "--every", type=types.positive, metavar="S", help="seconds between; default: 60"
+    )
+    render.add_argument(
+        "--resume", metavar="FILE", help="go on from a checkpoint, and keep it up to date"
+    )
+    _add_shared(render, seconds=10, output="SCENE.exr", output_help=".exr or .png to write")
+
+    compare = add("compare", "compare samplers in equal time", texts.COMPARE)
+    _add_samplers(compare, DEFAULT_SAMPLERS)
+    compare.add_argument(
+        "--methods", type=types.method_list, metavar="A,B,...",
+        help="compare how light that bounces is found instead; see `lightcull render --help`",
+    )  # fmt: skip
+    compare.add_argument(
+        "--most-lights", type=types.from_one, metavar="N",
+        help=f"of --methods: light paths up to which virtual lights are scaled; default: {MOST_LIGHTS}",
+    )  # fmt: skip
+    compare.add_argument(
+        "--reference-seconds",
+        type=types.positive,
+        metavar="S",
+        help="render time of the reference; default: 8 times that of a sampler",
+    )
+    _add_shared(compare, seconds=30, output="report", output_help="folder to write")
+
+    info = add("info", "say what is in a scene, and what memory it takes", texts.INFO)
+    _add_scene(info)
+    _add_sampler(info)
+    _add_method(info)
+    _add_image(info)
+    selftest = add("selftest", "check hard cases on this machine", texts.SELFTEST)
+    selftest.add_argument("--json", metavar="FILE", help="file to write the results to")
+    _add_bench(add("bench", "measure what a selection costs", texts.BENCH))
+    return parser
+
+
+def _add_scene(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("scene", metavar="SCENE", help="file or name of an example")
+    parser.add_argument(
+        "--virtual-lights", type=types.from_one, metavar="N",
+        help="add virtual lights to the scene's: where N light paths meet surfaces for the first "
+        "time. Not for an .xml",
+    )  # fmt: skip
+
+
+def _add_sampler(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--sampler", type=types.sampler, default="culled", metavar="SAMPLER", help="default: culled"
+    )
+
+
+def _add_method(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--method", type=types.method, default=PATH, metavar="METHOD",
+        help=f"{', '.join(METHODS)}, with options; default: {PATH}",
+    )  # fmt: skip
+
+
+def _add_image(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--size",
+        type=types.image_size,
+        metavar="WxH",
+        help="pixels; default: 320x240; of an .xml: its own",
+    )
+    parser.add_argument(
+        "--max-depth",
+        type=types.from_one,
+        metavar="N",
+        help="longest path, in edges: 2 is direct light only; default: 2; of an .xml: its own",
+    )
+
+
+def _add_samplers(parser: argparse.ArgumentParser, default: Sequence[str]) -> None:
+    parser.add_argument(
+        "--samplers",
+        type=types.sampler_list,
+        metavar="A,B,...",
+        help=f"default: {','.join(default)}",
+    )
+
+
+def _add_bench(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "scenes",
+        nargs="*",
+        metavar="SCENE",
+        help="file, name of an example, or series: lanterns with 1,000 to 1,000,000 lights of the "
+        "same total power; default: all examples and the series",
+    )
+    _add_samplers(parser, BENCH_SAMPLERS)
+    parser.add_argument(
+        "--size",
+        type=types.image_size,
+        default=BENCH_SIZE,
+        metavar="WxH",
+        help="of the image whose points are taken; default: {}x{}".format(*BENCH_SIZE),
+    )
+    parser.add_argument(
+        "--threads",
+        type=types.thread_counts,
+        default=list(BENCH_THREADS),
+        metavar="M,N,...",
+        help=f"default: {','.join(map(str, BENCH_THREADS))}",
+    )
+    parser.add_argument(
+        "--targets",
+        type=types.instruction_set_list,
+        metavar="A,B,...",
+        help="instruction sets, or all; default: the best that this machine has",
+    )
+    parser.add_argument(
+        "--device",
+        default="cpu",
+        metavar="DEVICE",
+        help="where culled and paper are measured as well: vulkan, or vulkan:NAME for one whose "
+        "name holds NAME",
+    )
+    parser.add_argument("--json", metavar="FILE", help="file to write the rows to")
+
+
+def _make(
+    kind: type[argparse.ArgumentParser], program: str, description: str, epilog: str
+) -> argparse.ArgumentParser:
+    return kind(
+        prog=program,
+        description=description,
+        epilog=epilog,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+
+
+def _add_shared(
+    parser: argparse.ArgumentParser, seconds: float, output: str, output_help: str
+) -> None:
+    _add_scene(parser)
+    _add_image(parser)
+    parser.add_argument(
+        "--host", choices=["mitsuba"], help="renderer to use; default: mitsuba for an .xml"
+    )
+    parser.add_argument("--variant", help="of Mitsuba, for an .xml alone; default: scalar_rgb")
+    budget = parser.add_mutually_exclusive_group()
+    budget.add_argument(
+        "--seconds", type=types.positive, metavar="S", help=f"render time; default: {seconds:g}"
+    )
+    budget.add_argument("--spp", type=types.from_one, metavar="N", help="samples per pixel instead")
+    parser.add_argument(
+        "--threads", type=types.from_zero, default=0, metavar="N", help="default: 0, all there are"
+    )
+    parser.add_argument("--seed", type=types.seed, default=0, metavar="N", help="default: 0")
+    parser.add_argument("-o", "--output", metavar="PATH", help=f"{output_help}; default: {output}")
+    parser.set_defaults(default_seconds=float(seconds))

@@ -1,0 +1,1 @@
+"""Comparing samplers in equal time, against a reference that is kept."""

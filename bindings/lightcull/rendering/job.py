@@ -1,0 +1,44 @@
+"""What any render that goes pass by pass offers, whoever renders."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+
+from .statistics import Stats
+
+
+class Job(Protocol):
+    """A render that goes pass by pass, and its clock."""
+
+    @property
+    def sampler(self) -> str:
+        """Its description."""
+
+    def render_pass(self) -> None:
+        """Adds some samples to every pixel."""
+
+    def image(self) -> np.ndarray:
+        """The mean of the samples so far: float32 (H, W, 3)."""
+
+    def stats(self) -> Stats:
+        """What it took so far."""
+
+
+class CountingJob(Job, Protocol):
+    """A render that knows what its selections cost."""
+
+    def mean_counts(self) -> SelectionCounts:
+        """Mean cost of one selection; not a number where nobody counts."""
+
+
+class SelectionCounts(Protocol):
+    """What `_core.MeanCounts` has."""
+
+    @property
+    def accepted(self) -> float: ...
+    @property
+    def nodes_visited(self) -> float: ...
+    @property
+    def lights_tested(self) -> float: ...

@@ -1,0 +1,56 @@
+"""Rendering by paths, with a light sampler: the renderer that this project has of its own."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .. import _core, checks
+from ..scene import Scene
+from .checkpoint import Checkpoint
+from .settings import RenderSettings
+from .statistics import Stats
+
+
+class PathJob:
+    """A render that goes pass by pass, and its clock: set-up and passes, nothing else."""
+
+    def __init__(self, scene: Scene, sampler: str, settings: RenderSettings) -> None:
+        self.sampler = checks.text("sampler", sampler)
+        self._setup_seconds_before = 0.0
+        self._scene = scene.closed()
+        self._renderer = _core.Renderer(
+            self._scene, sampler, *settings.size, settings.max_depth, settings.seed,
+            settings.threads,
+        )  # fmt: skip
+
+    def render_pass(self) -> None:
+        """Adds one sample to every pixel. Ctrl-C drops the pass."""
+        self._renderer.render_pass()
+
+    def checkpoint(self) -> Checkpoint:
+        """All that there is so far."""
+        renderer = self._renderer
+        return Checkpoint(renderer.stats(), self._setup_seconds(), renderer.sums())
+
+    def resume(self, checkpoint: Checkpoint) -> None:
+        """Goes on from a checkpoint of the same render. Before the first pass."""
+        self._renderer.restore(checkpoint.stats, checkpoint.sums)
+        self._setup_seconds_before = checkpoint.setup_seconds
+
+    def image(self) -> np.ndarray:
+        """The mean of the passes so far: float32 (H, W, 3)."""
+        return self._renderer.image()
+
+    def mean_counts(self) -> _core.MeanCounts:
+        """Mean cost of one selection at camera points. After the first pass."""
+        return self._renderer.mean_counts()
+
+    def memory_size(self) -> tuple[_core.SceneMemory, _core.RendererMemory, int]:
+        """Bytes, of the scene, of paths and of virtual lights."""
+        return self._scene.memory_size(), self._renderer.memory_size(), 0
+
+    def stats(self) -> Stats:
+        return Stats.of(self._renderer.stats(), self._setup_seconds())
+
+    def _setup_seconds(self) -> float:
+        return self._setup_seconds_before + self._renderer.setup_seconds()

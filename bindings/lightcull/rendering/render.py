@@ -1,0 +1,155 @@
+"""Rendering: one image by one sampler."""
+
+from __future__ import annotations
+
+import os
+import warnings
+from collections.abc import Callable
+
+import numpy as np
+
+from .. import checks, machine
+from .._core import Error
+from ..scene import Scene
+from .budget import Budget
+from .checkpoint import Keeper, RenderKey
+from .interruption import Interruption
+from .job import Job
+from .method import PATH, check_method
+from .path_job import PathJob
+from .progress import Progress, ProgressCallback
+from .result import RenderResult
+from .settings import RenderSettings
+from .subject import Subject
+from .virtual_light_job import VirtualLightJob
+
+
+def render(
+    scene: Scene | Subject,
+    sampler: str = "culled",
+    *,
+    method: str = PATH,
+    seconds: float | None = None,
+    spp: int | None = None,
+    size: tuple[int, int] = (320, 240),
+    max_depth: int = 2,
+    seed: int = 0,
+    threads: int = 0,
+    progress: ProgressCallback | None = None,
+    checkpoint: str | os.PathLike[str] | None = None,
+    every: float | None = None,
+    resume: str | os.PathLike[str] | None = None,
+) -> RenderResult:
+    """Renders a scene, for `seconds` of wall time (at least one sample) or `spp` samples per pixel.
+
+    scene: ours, or a `lightcull.mitsuba.MitsubaScene`. sampler: a description as in `LightSampler`.
+    size: width and height, pixels. max_depth: longest path, in edges: 1 sees emitters only, 2
+    direct light. method: how light that bounces is found: "path" by paths; "vpl_all", "vpl_culled",
+    "vpl_clamped" and "vpl_grid" by virtual lights where light paths meet surfaces, which wants a
+    max_depth of 3 to 5 (`lightcull render --help` has their options); the sampler is then for
+    direct light. threads: 0 for all; the image does not depend on it. progress: called between
+    passes; what it raises ends the render.
+
+    checkpoint: a file to which the render is saved every `every` seconds (60 unless told) and at
+    its end, from which it can go on; whatever happens, the old one or the new one is there whole. It
+    must not be there before. resume: such a file to go on from, and to save to where checkpoint
+    names no other. The image has the same bits as if it had never stopped; seconds and spp count
+    from the first start. A file of another scene, sampler, size, max_depth, seed or build of
+    lightcull is an Error.
+
+    Ctrl-C ends the render after the pass under way, and what there is is saved and returned. One
+    more, before that pass is over, is a KeyboardInterrupt.
+    """
+    budget = Budget(spp, seconds)
+    settings = RenderSettings(size, max_depth, seed, threads)
+    job: Job
+    if every is not None and checkpoint is None and resume is None:
+        raise Error("every: only with checkpoint or resume")
+    if check_method(method) != PATH:
+        if not isinstance(scene, Scene):
+            raise Error(f"{method}: not for a scene of another renderer")
+        if checkpoint is not None or resume is not None:
+            raise Error(f"checkpoint and resume: not for {method}")
+        job = VirtualLightJob(scene, method, sampler, settings)
+        interrupted = _run(job, budget, progress)
+    elif isinstance(scene, Scene):
+        job, interrupted = _by_paths(
+            scene, sampler, budget, settings, progress, checkpoint=checkpoint, every=every,
+            resume=resume,
+        )  # fmt: skip
+    else:
+        if not hasattr(scene, "new_job"):
+            raise TypeError(f"scene: wanted a lightcull.Scene, got {scene!r}")
+        if checkpoint is not None or resume is not None:
+            raise Error("checkpoint and resume: not for a scene of another renderer")
+        job = scene.new_job(sampler, settings, spp)
+        interrupted = _run(job, budget, progress)
+    image = job.image()
+    _warn_of_nonsense(scene.name, image)
+    return RenderResult(
+        image, job.stats(), scene.name, sampler, settings.max_depth, settings.seed, interrupted,
+        method,
+    )  # fmt: skip
+
+
+def _by_paths(
+    scene: Scene,
+    sampler: str,
+    budget: Budget,
+    settings: RenderSettings,
+    progress: ProgressCallback | None,
+    *,
+    checkpoint: str | os.PathLike[str] | None,
+    every: float | None,
+    resume: str | os.PathLike[str] | None,
+) -> tuple[Job, bool]:
+    """The render, and whether Ctrl-C ended it; saved on the way and at the end if that is wanted."""
+    key = RenderKey(
+        scene.name, scene.digest(), checks.text("sampler", sampler), settings.size,
+        settings.max_depth, settings.seed, machine.build_id(),
+    )  # fmt: skip
+    keeper = Keeper(key, checkpoint=checkpoint, every=every, resume=resume)
+    before = keeper.before
+    if before is not None and budget.spp is not None and before.stats.passes > budget.spp:
+        raise Error(
+            f"{resume}: has {before.stats.passes} samples per pixel already, and {budget.spp} were "
+            "wanted"
+        )
+    job = PathJob(scene, sampler, settings)
+    if before is not None:
+        job.resume(before)
+    interrupted = _run(job, budget, progress, lambda: keeper.after_pass(job.checkpoint))
+    keeper.save(job.checkpoint)
+    return job, interrupted
+
+
+def _warn_of_nonsense(scene: str, image: np.ndarray) -> None:
+    if not image.any():
+        warnings.warn(f"{scene}: the image is black: no light is seen", stacklevel=3)
+    elif not np.isfinite(image).all():
+        count = np.count_nonzero(~np.isfinite(image).all(axis=2))
+        warnings.warn(f"{scene}: {count} pixels are not finite", stacklevel=3)
+
+
+def _run(
+    job: Job,
+    budget: Budget,
+    progress: ProgressCallback | None,
+    keep: Callable[[], None] | None = None,
+) -> bool:
+    """Renders pass by pass until the budget is used up. True if Ctrl-C came before that."""
+    with Interruption() as interruption:
+        try:
+            while not interruption.asked and not budget.is_used(job.stats()):
+                job.render_pass()
+                if keep is not None:
+                    keep()
+                if progress is not None:
+                    stats = job.stats()
+                    left = budget.seconds_left(stats)
+                    progress(Progress(job.sampler, budget.fraction(stats), stats.spp, left))
+        except KeyboardInterrupt:
+            if interruption.asked or job.stats().spp == 0:
+                raise
+            return True
+        return interruption.asked
