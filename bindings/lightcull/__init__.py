@@ -30,7 +30,7 @@ from .rendering.render import render
 from .rendering.result import RenderResult
 from .rendering.statistics import Stats
 from .report import Comparison
-from .sampler import LightSampler, point_lights, triangle_lights
+from .sampler import LightSampler, LightSelector, point_lights, triangle_lights
 from .scene import Scene
 
 __all__ = [
@@ -43,6 +43,7 @@ __all__ = [
     "Comparison",
     "Error",
     "LightSampler",
+    "LightSelector",
     "MethodReport",
     "Progress",
     "RenderResult",

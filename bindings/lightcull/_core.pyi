@@ -108,8 +108,11 @@ def vulkan_devices() -> list[tuple[str, str]]:
     """Names, best first, each with why it cannot be used; empty if it can."""
 
 
-class LightSampler:
-    def begin_pass(self, number: int, /) -> None: ...
+def check_sampler(description: str, /) -> None:
+    """Throws Error unless it describes a sampler."""
+
+
+class LightSelector:
     def select(
         self,
         positions: np.ndarray,
@@ -149,7 +152,11 @@ class LightSampler:
     ) -> np.ndarray: ...
     def light_count(self) -> int: ...
     def set_count(self) -> int: ...
-    def prob_is_proxy(self) -> bool: ...
+    def needs_receipt(self) -> bool: ...
+
+class LightSampler(LightSelector):
+    def begin_pass(self, number: int, /) -> None: ...
+    def at_pass(self, number: int, /) -> LightSelector: ...
 
 class RenderStats:
     def __init__(

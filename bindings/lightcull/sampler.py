@@ -10,56 +10,18 @@ from . import _core, checks
 from .scene import Scene
 
 
-class LightSampler:
-    """Picks, for each of many points, one light out of many, and says with what probability.
+class LightSelector:
+    """Chooses lights for points by random ranges that do not change: a pass of a `LightSampler`.
 
-    lights: a `Scene`, or lights as `triangle_lights`, `point_lights` or `Scene.lights` give them:
-    (N,) of dtype `lightcull.LIGHT`, whose fields are center (3), radius, axis (3; unit length),
-    cos_theta_o (of the cone of normals about the axis), cos_theta_e (of the largest angle to a
-    normal at which it emits), intensity (W/sr, luminance), two_sided and lobe_alpha (0; or of a
-    point that emits most into `axis` GGX's alpha, 0.001 to 1, its cos_theta_o being -1).
-    description: a name, then options, as in "culled", "culled:sets=16", "clamped:error_bound=0.05".
-    The names are `lightcull.SAMPLERS`.
-    calibration: positions and normals of some hundred points typical of the use, to set the ranges
-    of `culled` by. Without them they are drawn from the bounds of the lights; those of a scene come
-    from its camera.
-    device: "cpu"; or, of `culled` and `paper`, "vulkan", the best that Vulkan knows of, or
-    "vulkan:NAME", one whose name holds NAME (`lightcull info` lists them). It chooses as the
-    processor does. If it fails later, selections come from the processor, and the next `begin_pass`
-    raises, once.
+    One pass is not enough: for the ranges of a single pass and set, the mean over u alone is off.
+    Sums converge over passes, or over the sets of a pass that has many.
 
-    Calls release the GIL and may run in any number of threads; a `begin_pass` waits for those that
-    are under way. Pass 0 has begun when the sampler is made.
-
-    >>> sampler = LightSampler(lightcull.example_scene("lanterns"), "culled")
-    >>> chosen = sampler.select(positions, normals, u)
-    >>> chosen["light"], chosen["prob"]
+    Calls release the GIL and may run in any number of threads.
     """
 
-    def __init__(
-        self,
-        lights: Scene | np.ndarray,
-        description: str = "culled",
-        *,
-        calibration: tuple[np.ndarray, np.ndarray] | None = None,
-        device: str = "cpu",
-    ) -> None:
-        self.description = checks.text("description", description)
-        checks.text("device", device)
-        if isinstance(lights, Scene):
-            if calibration is not None:
-                raise TypeError("calibration: a scene brings its own")
-            self._core = _core.sampler_of_scene(lights.closed(), description, device)
-        else:
-            positions, normals = _calibration(calibration)
-            if getattr(getattr(lights, "dtype", None), "names", None) == _core.LIGHT.names:
-                # What NumPy makes of several arrays of them has another layout in memory.
-                lights = lights.astype(_core.LIGHT, copy=False)
-            self._core = _core.sampler_of_lights(lights, description, positions, normals, device)
-
-    def begin_pass(self, number: int) -> None:
-        """Draws the random ranges of a pass; equal numbers give equal ranges."""
-        self._core.begin_pass(checks.whole_number("number", number, most=checks.MOST_64_BITS))
+    def __init__(self, core: _core.LightSelector, description: str) -> None:
+        self._core = core
+        self.description = description
 
     def select(
         self,
@@ -75,7 +37,8 @@ class LightSampler:
         `set_count` sets of random ranges each point uses; None: the first.
 
         Returns (N,) of dtype `lightcull.SELECTION`: light (index), prob (in (0, 1], or 0 where no
-        light was chosen, which is no error), and for `prob` weight_sum and key.
+        light was chosen, which is no error), mis_prob (for MIS weights: what `prob` says of the
+        light), and for `prob` weight_sum and key.
         """
         return self._core.select(positions, normals, u, sets)
 
@@ -126,12 +89,75 @@ class LightSampler:
         return self._core.set_count()
 
     @property
-    def prob_is_proxy(self) -> bool:
-        """True if `prob` is only a stand-in for the prob of `select`, good for MIS weights alone."""
-        return self._core.prob_is_proxy()
+    def needs_receipt(self) -> bool:
+        """False if `prob` depends on the point and the light alone, whatever was selected."""
+        return self._core.needs_receipt()
 
     def __repr__(self) -> str:
         return f"<lightcull.LightSampler {self.description!r}: {self.light_count} lights>"
+
+
+class LightSampler(LightSelector):
+    """Picks, for each of many points, one light out of many, and says with what probability.
+
+    lights: a `Scene`, or lights as `triangle_lights`, `point_lights` or `Scene.lights` give them:
+    (N,) of dtype `lightcull.LIGHT`, whose fields are center (3), radius, axis (3; unit length),
+    cos_theta_o (of the cone of normals about the axis), cos_theta_e (of the largest angle to a
+    normal at which it emits), intensity (W/sr, luminance), two_sided and lobe_alpha (0; or of a
+    point that emits most into `axis` GGX's alpha, 0.001 to 1, its cos_theta_o being -1).
+    description: a name, then options, as in "culled", "culled:sets=16", "clamped:error_bound=0.05".
+    The names are `lightcull.SAMPLERS`.
+    calibration: positions and normals of some hundred points typical of the use, to set the ranges
+    of `culled` by. Without them they are drawn from the bounds of the lights; those of a scene come
+    from its camera.
+    device: "cpu"; or, of `culled` and `paper`, "vulkan", the best that Vulkan knows of, or
+    "vulkan:NAME", one whose name holds NAME (`lightcull info` lists them). It chooses as the
+    processor does. If it fails later, selections come from the processor, and the next `begin_pass`
+    raises, once.
+
+    Calls release the GIL and may run in any number of threads; a `begin_pass` waits for those that
+    are under way. Pass 0 has begun when the sampler is made.
+
+    >>> sampler = LightSampler(lightcull.example_scene("lanterns"), "culled")
+    >>> chosen = sampler.select(positions, normals, u)
+    >>> chosen["light"], chosen["prob"]
+    """
+
+    def __init__(
+        self,
+        lights: Scene | np.ndarray,
+        description: str = "culled",
+        *,
+        calibration: tuple[np.ndarray, np.ndarray] | None = None,
+        device: str = "cpu",
+    ) -> None:
+        checks.text("description", description)
+        checks.text("device", device)
+        if isinstance(lights, Scene):
+            if calibration is not None:
+                raise TypeError("calibration: a scene brings its own")
+            core = _core.sampler_of_scene(lights.closed(), description, device)
+        else:
+            positions, normals = _calibration(calibration)
+            if getattr(getattr(lights, "dtype", None), "names", None) == _core.LIGHT.names:
+                # What NumPy makes of several arrays of them has another layout in memory.
+                lights = lights.astype(_core.LIGHT, copy=False)
+            core = _core.sampler_of_lights(lights, description, positions, normals, device)
+        super().__init__(core, description)
+        self._sampler = core
+
+    def begin_pass(self, number: int) -> None:
+        """Draws the random ranges of a pass; equal numbers give equal ranges."""
+        self._sampler.begin_pass(checks.whole_number("number", number, most=checks.MOST_64_BITS))
+
+    def at_pass(self, number: int) -> LightSelector:
+        """The ranges that `begin_pass(number)` would draw, as an object of its own.
+
+        It shares the tree with the sampler and never changes, so that any number of passes can be
+        used at once. It selects on the processor.
+        """
+        checks.whole_number("number", number, most=checks.MOST_64_BITS)
+        return LightSelector(self._sampler.at_pass(number), self.description)
 
 
 def _calibration(given: Any) -> tuple[np.ndarray, np.ndarray | None]:
@@ -163,6 +189,4 @@ def point_lights(positions: np.ndarray, intensity: np.ndarray) -> np.ndarray:
 
 def check_description(description: str) -> None:
     """Throws `lightcull.Error` unless it describes a sampler, with what there is."""
-    positions = np.zeros((1, 3), np.float32)
-    light = _core.point_lights(positions, np.ones(1, np.float32))
-    _core.sampler_of_lights(light, checks.text("sampler", description), positions, None, "cpu")
+    _core.check_sampler(checks.text("sampler", description))

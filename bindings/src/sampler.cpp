@@ -22,11 +22,37 @@ namespace {
 
 using Points = std::vector<ShadingPoint>;
 
-/// A sampler that any number of Python threads may use: passes wait for the calls under way.
-class SharedSampler {
+/// What lights are selected from: a pass, or a sampler with the pass that it is in.
+class SharedSelector {
   public:
-    SharedSampler(std::unique_ptr<LightSampler> sampler, std::size_t light_count)
-        : sampler_(std::move(sampler)), light_count_(light_count) {
+    SharedSelector(std::shared_ptr<const LightSelector> selector, std::size_t light_count)
+        : selector_(std::move(selector)), light_count_(light_count) {}
+
+    /// Calls action(selector) without the GIL.
+    template <typename Action>
+    void use(const Action& action) const {
+        const py::gil_scoped_release release;
+        const std::shared_lock lock(mutex_);
+        action(*selector_);
+    }
+
+    std::size_t light_count() const noexcept { return light_count_; }
+    std::uint32_t set_count() const noexcept { return selector_->set_count(); }
+    bool needs_receipt() const noexcept { return selector_->needs_receipt(); }
+
+  protected:
+    mutable std::shared_mutex mutex_;
+
+  private:
+    std::shared_ptr<const LightSelector> selector_;
+    std::size_t light_count_;
+};
+
+/// A sampler that any number of Python threads may use: passes wait for the calls under way.
+class SharedSampler : public SharedSelector {
+  public:
+    SharedSampler(const std::shared_ptr<LightSampler>& sampler, std::size_t light_count)
+        : SharedSelector(sampler, light_count), sampler_(sampler) {
         sampler_->begin_pass(0);
     }
 
@@ -36,22 +62,13 @@ class SharedSampler {
         sampler_->begin_pass(pass);
     }
 
-    /// Calls action(sampler) without the GIL.
-    template <typename Action>
-    void use(const Action& action) const {
+    std::unique_ptr<SharedSelector> at_pass(std::uint64_t number) const {
         const py::gil_scoped_release release;
-        const std::shared_lock lock(mutex_);
-        action(*sampler_);
+        return std::make_unique<SharedSelector>(sampler_->pass(number), light_count());
     }
 
-    std::size_t light_count() const noexcept { return light_count_; }
-    std::uint32_t set_count() const noexcept { return sampler_->set_count(); }
-    bool needs_receipt() const noexcept { return sampler_->needs_receipt(); }
-
   private:
-    std::unique_ptr<LightSampler> sampler_;
-    std::size_t light_count_;
-    mutable std::shared_mutex mutex_;
+    std::shared_ptr<LightSampler> sampler_;
 };
 
 /// The hot calls check nothing, so everything is checked here.
@@ -105,7 +122,7 @@ Rows<std::uint32_t> light_ids(const py::object& ids, std::size_t count, std::siz
 
 /// Selections that came from select(), which may have been changed since.
 std::vector<Selection> selections_from(const py::object& array, Points& points,
-                                       const SharedSampler& sampler) {
+                                       const SharedSelector& sampler) {
     const py::buffer_info info = read_array(
         array, "selections", {selection_dtype(), {static_cast<py::ssize_t>(points.size())}});
     const auto* first = static_cast<const Selection*>(info.ptr);
@@ -126,7 +143,7 @@ std::vector<Selection> selections_from(const py::object& array, Points& points,
 enum class Entry { kBatch, kSingle };
 
 template <Entry kEntry>
-py::object select(const SharedSampler& sampler, const py::object& positions,
+py::object select(const SharedSelector& sampler, const py::object& positions,
                   const py::object& normals, const py::object& u, const py::object& sets) {
     Points points = points_from(positions, normals);
     set_sets(points, sets, sampler.set_count());
@@ -138,7 +155,7 @@ py::object select(const SharedSampler& sampler, const py::object& positions,
 
     py::object selections = new_array(py::make_tuple(count), selection_dtype());
     const Span<Selection> result = elements<Selection>(selections);
-    sampler.use([&](const LightSampler& s) {
+    sampler.use([&](const LightSelector& s) {
         if constexpr (kEntry == Entry::kBatch) {
             s.select(points, numbers.span(), result);
         } else {
@@ -149,21 +166,21 @@ py::object select(const SharedSampler& sampler, const py::object& positions,
     return selections;
 }
 
-py::object prob(const SharedSampler& sampler, const py::object& positions,
+py::object prob(const SharedSelector& sampler, const py::object& positions,
                 const py::object& normals, const py::object& selections, const py::object& lights) {
     Points points = points_from(positions, normals);
     const std::vector<Selection> selected = selections_from(selections, points, sampler);
     const Rows<std::uint32_t> ids = light_ids(lights, points.size(), sampler.light_count());
     py::object probs = new_array(py::make_tuple(points.size()), numpy_dtype(py::str("float32")));
     const Span<float> result = elements<float>(probs);
-    sampler.use([&](const LightSampler& s) {
+    sampler.use([&](const LightSelector& s) {
         for (std::size_t i = 0; i < points.size(); ++i)
             result[i] = s.prob(points[i], selected[i].receipt, ids.span()[i]);
     });
     return probs;
 }
 
-py::object vertex_prob(const SharedSampler& sampler, const py::object& positions,
+py::object vertex_prob(const SharedSelector& sampler, const py::object& positions,
                        const py::object& normals, const py::object& selections,
                        const py::object& vertices) {
     Points points = points_from(positions, normals);
@@ -173,7 +190,7 @@ py::object vertex_prob(const SharedSampler& sampler, const py::object& positions
         if (!is_finite(rows.span()[i])) throw_row_error("vertices", i, "not finite");
     py::object probs = new_array(py::make_tuple(points.size()), numpy_dtype(py::str("float32")));
     const Span<float> result = elements<float>(probs);
-    sampler.use([&](const LightSampler& s) {
+    sampler.use([&](const LightSelector& s) {
         const VertexCulling* const culling = vertex_culling(s);
         for (std::size_t i = 0; i < points.size(); ++i) {
             const Selection& choice = selected[i];
@@ -189,13 +206,13 @@ py::object vertex_prob(const SharedSampler& sampler, const py::object& positions
     return probs;
 }
 
-py::object count(const SharedSampler& sampler, const py::object& positions,
+py::object count(const SharedSelector& sampler, const py::object& positions,
                  const py::object& normals, const py::object& sets) {
     Points points = points_from(positions, normals);
     set_sets(points, sets, sampler.set_count());
     py::object counts = new_array(py::make_tuple(points.size()), counts_dtype());
     const Span<SelectionCounts> result = elements<SelectionCounts>(counts);
-    sampler.use([&](const LightSampler& s) {
+    sampler.use([&](const LightSelector& s) {
         for (std::size_t i = 0; i < points.size(); ++i)
             result[i] = sampler_info(s)->count(points[i]);
     });
@@ -257,16 +274,19 @@ void bind_sampler(py::module_& module) {
     module.def("point_lights", &point_lights, py::arg("positions"), py::arg("intensity"));
     module.def("sampler_of_lights", &sampler_of_lights);
     module.def("sampler_of_scene", &sampler_of_scene);
-    py::class_<SharedSampler>(module, "LightSampler")
-        .def("begin_pass", &SharedSampler::begin_pass)
+    module.def("check_sampler", [](const std::string& description) { parse_sampler(description); });
+    py::class_<SharedSelector>(module, "LightSelector")
         .def("select", &select<Entry::kBatch>)
         .def("select_single", &select<Entry::kSingle>)
         .def("prob", &prob)
         .def("vertex_prob", &vertex_prob)
         .def("count", &count)
-        .def("light_count", &SharedSampler::light_count)
-        .def("set_count", &SharedSampler::set_count)
-        .def("needs_receipt", &SharedSampler::needs_receipt);
+        .def("light_count", &SharedSelector::light_count)
+        .def("set_count", &SharedSelector::set_count)
+        .def("needs_receipt", &SharedSelector::needs_receipt);
+    py::class_<SharedSampler, SharedSelector>(module, "LightSampler")
+        .def("begin_pass", &SharedSampler::begin_pass)
+        .def("at_pass", &SharedSampler::at_pass);
 }
 
 }  // namespace lightcull::python

@@ -2,6 +2,7 @@
 #include "registration.h"
 #include "subject.h"
 
+#include <lightcull/sampler_info.h>
 #include <string>
 
 namespace lightcull::bench {

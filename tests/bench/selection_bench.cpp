@@ -3,6 +3,7 @@
 #include "subject.h"
 
 #include <lightcull/render/shadow_rays.h>
+#include <lightcull/sampler_info.h>
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -100,7 +101,7 @@ void count_work(benchmark::State& state, const Setting& setting) {
     double nodes = 0.0, lights = 0.0, counted = 0.0;
     for ([[maybe_unused]] auto turn : state) {
         for (std::size_t i = 0; i < points.points.size(); i += step) {
-            const SelectionCounts counts = s.sampler->count(points.points[i]);
+            const SelectionCounts counts = sampler_info(*s.sampler)->count(points.points[i]);
             nodes += counts.nodes_visited;
             lights += counts.lights_tested;
             counted += 1.0;

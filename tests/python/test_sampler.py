@@ -59,9 +59,27 @@ def test_prob_is_that_of_the_selection(name: str) -> None:
     assert hit.mean() > 0.5
     assert np.all(chosen["light"][hit] < len(LIGHTS))
     assert np.all(chosen["prob"] <= 1)
-    if not sampler.prob_is_proxy:
-        prob = sampler.prob(POSITIONS, NORMALS, chosen, np.ascontiguousarray(chosen["light"]))
-        np.testing.assert_array_equal(prob[hit], chosen["prob"][hit])
+    prob = sampler.prob(POSITIONS, NORMALS, chosen, np.ascontiguousarray(chosen["light"]))
+    np.testing.assert_array_equal(prob[hit], chosen["mis_prob"][hit])
+    if not name.startswith("paper"):
+        np.testing.assert_array_equal(chosen["mis_prob"], chosen["prob"])
+    if not sampler.needs_receipt:
+        nothing = np.zeros_like(chosen)
+        again = sampler.prob(POSITIONS, NORMALS, nothing, np.ascontiguousarray(chosen["light"]))
+        np.testing.assert_array_equal(again[hit], prob[hit])
+
+
+def test_passes_at_once_are_those_of_begin_pass() -> None:
+    sampler = lightcull.LightSampler(LIGHTS, "culled:sets=16")
+    u = floats(len(POSITIONS))
+    passes = [sampler.at_pass(number) for number in range(3)]
+    for number, at_pass in enumerate(passes):
+        sampler.begin_pass(number)
+        expected = sampler.select(POSITIONS, NORMALS, u)
+        np.testing.assert_array_equal(at_pass.select(POSITIONS, NORMALS, u), expected)
+        assert at_pass.set_count == sampler.set_count == 16
+    with pytest.raises(lightcull.Error, match="number"):
+        sampler.at_pass(-1)
 
 
 def test_uniform_and_power_are_what_they_say() -> None:

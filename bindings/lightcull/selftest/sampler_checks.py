@@ -69,9 +69,9 @@ def choices(setting: Setting, samplers: tuple[str, ...] = UNBIASED) -> Iterator[
         prob = batch["prob"]
         nonsense = ~np.isfinite(prob) | (prob < 0) | (prob > 1 + 4 * EPSILON)
         yield Finding(f"{description}: probabilities that are none", float(nonsense.sum()), 0)
-        if len(setting.lights) and not sampler.prob_is_proxy:
+        if len(setting.lights):
             again = sampler.prob(*points, batch, np.where(prob > 0, batch["light"], 0))
-            wrong = (prob > 0) & (again != prob)
+            wrong = (prob > 0) & (again != batch["mis_prob"])
             yield Finding(f"{description}: prob() is not that of select()", float(wrong.sum()), 0)
 
 

@@ -1,6 +1,10 @@
 #include "lights/samplers/point_order.h"
 
+#include <lightcull/error.h>
+
 #include <algorithm>
+#include <new>
+#include <string>
 #include <utility>
 
 #include "base/float3_math.h"
@@ -111,7 +115,8 @@ std::vector<std::uint32_t> take_turns(Span<const std::uint64_t> keys, std::vecto
 
 }  // namespace
 
-std::vector<std::uint32_t> order_points(Span<const ShadingPoint> points, std::uint32_t set_count) {
+std::vector<std::uint32_t> order_points(Span<const ShadingPoint> points,
+                                        std::uint32_t set_count) try {
     if (points.empty()) return {};
     std::vector<std::uint64_t> scratch = places_and_sets(points);
     std::vector<Run> sets;
@@ -121,6 +126,8 @@ std::vector<std::uint32_t> order_points(Span<const ShadingPoint> points, std::ui
         sort_keys<2>(keys.data() + run.begin, scratch.data() + run.begin, run.end - run.begin);
     });
     return take_turns(keys, std::move(sets));
+} catch (const std::bad_alloc&) {
+    throw Error("select(): no memory to put " + std::to_string(points.size()) + " points in order");
 }
 
 }  // namespace lightcull
