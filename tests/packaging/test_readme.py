@@ -86,7 +86,7 @@ def test_first_program_of_the_page_for_hosts(tmp_path):
 
 
 def test_parts_of_a_host_compile(tmp_path):
-    """Each by itself; nothing is linked, for what a renderer has is declared in them, not defined."""
+    """Each by itself. Nothing is linked: what a renderer has is declared in them, not defined."""
     parts = [source for page in PAGES for source in examples(page, "cpp") if not is_program(source)]
     assert len(parts) >= 5
     warnings = "-DCMAKE_CXX_FLAGS=-Wall -Wextra -Wpedantic -Wconversion -Werror"
