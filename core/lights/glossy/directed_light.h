@@ -52,7 +52,7 @@ class DirectedLight {
 
     /// Holds every point whose distance() is at most `range`. About the spheroid it is the sphere
     /// on its longer axis; of the diffuse solid it is the smallest one, whose centre [TH17] section
-    /// 6 misprints (DESIGN section 3).
+    /// 6 misprints (design.md, "Glossy lights").
     Ball volume(float range) const noexcept {
         // For the rounding of distance(), which grows with the sharpness of the lobe.
         constexpr float kMargin = 1.0005f;

@@ -15,8 +15,9 @@ namespace lightcull {
 /// [set][node][slot]. A slot is a light, another node, or empty. The same bytes serve all back
 /// ends.
 ///
-/// The volume about the emitter's cosine (DESIGN section 3) is built by InfluenceTree alone: with
-/// it the same number of accepted lights took 1.7 to 1.8 times the nodes for 4 to 10 % less error.
+/// The volume about the emitter's cosine (design.md, "Glossy lights") is built by InfluenceTree
+/// alone: with it the same number of accepted lights took 1.7 to 1.8 times the nodes for 4 to 10 %
+/// less error.
 struct alignas(32) SphereNode {
     static constexpr std::uint32_t kWidth = 8;
     static constexpr std::uint32_t kLeaf = 0x80000000u;
