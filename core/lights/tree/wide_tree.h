@@ -48,8 +48,23 @@ class WideTree {
         Children result;
         if (binary_[node].is_leaf()) {
             result.push_back(node);
-        } else {
-            open(node, plans_[node].left_of_node, kWidth, result);
+            return result;
+        }
+        std::array<Part, kWidth> pending;  // the leftmost last
+        std::size_t size = 0;
+        const auto open = [&](std::uint32_t parent, std::size_t left, std::size_t count) {
+            pending[size++] = {binary_[parent].right, count - left};
+            pending[size++] = {parent + 1, left};
+        };
+        open(node, plans_[node].left_of_node, kWidth);
+        while (size > 0) {
+            const Part part = pending[--size];
+            const std::size_t left = plans_[part.node].left[part.count - 1];
+            if (left == 0) {
+                result.push_back(part.node);
+            } else {
+                open(part.node, left, part.count);
+            }
         }
         return result;
     }
@@ -61,6 +76,12 @@ class WideTree {
         std::array<std::uint8_t, kWidth> left{};  ///< [k]: how many of them go to the left subtree;
                                                   ///< 0: the subtree becomes one child
         std::uint8_t left_of_node = 0;            ///< of kWidth children of a node of its own
+    };
+
+    /// A subtree that is spread over `count` children.
+    struct Part {
+        std::uint32_t node;
+        std::size_t count;
     };
 
     Plan plan(std::size_t node, float cost_of_node) const noexcept {
@@ -87,20 +108,6 @@ class WideTree {
             plan.left[k - 1] = 0;
         }
         return plan;
-    }
-
-    void open(std::uint32_t node, std::size_t left, std::size_t count,
-              Children& result) const noexcept {
-        place(node + 1, left, result);
-        place(binary_[node].right, count - left, result);
-    }
-    void place(std::uint32_t node, std::size_t count, Children& result) const noexcept {
-        const std::size_t left = plans_[node].left[count - 1];
-        if (left == 0) {
-            result.push_back(node);
-        } else {
-            open(node, left, count, result);
-        }
     }
 
     const std::vector<Node>& binary_;
