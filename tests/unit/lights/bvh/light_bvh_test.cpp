@@ -11,8 +11,8 @@
 #include <type_traits>
 #include <vector>
 
+#include "lights/bvh/binary_light_tree.h"
 #include "lights/bvh/light_bvh.h"
-#include "lights/bvh/light_bvh_build.h"
 #include "lights/bvh/light_bvh_cluster.h"
 #include "lights/bvh/light_bvh_descend.h"
 #include "lights/light/importance.h"

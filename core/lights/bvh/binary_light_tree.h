@@ -1,23 +1,16 @@
 #pragma once
 
-#include <cstdint>
 #include <vector>
 
 #include "lights/bvh/light_bvh_cluster.h"
 #include "lights/light/light_record.h"
+#include "lights/tree/binary_node.h"
 
 namespace lightcull {
 
-/// The light BVH before it is made 8 wide. Nodes lie in depth-first order: the left child of an
-/// inner node follows it.
-struct BinaryLightNode {
+/// The light BVH before it is made 8 wide.
+struct BinaryLightNode : BinaryNode {
     LightCluster cluster;
-    std::uint32_t right = kLeaf;  ///< index of the right child
-    std::uint32_t light = 0;      ///< of a leaf: index of the caller
-
-    static constexpr std::uint32_t kLeaf = 0;
-
-    bool is_leaf() const noexcept { return right == kLeaf; }
 };
 
 /// Splits by the surface area orientation heuristic of Conty Estevez & Kulla 2018.
