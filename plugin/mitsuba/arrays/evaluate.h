@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "host_columns.h"
+#include "arrays/host_columns.h"
 
 namespace mitsuba::culling {
 

@@ -1,4 +1,4 @@
-#include "made_sampler.h"
+#include "sampler/reusable_sampler.h"
 
 #include <lightcull/samplers.h>
 

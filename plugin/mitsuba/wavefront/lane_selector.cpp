@@ -1,4 +1,4 @@
-#include "lane_selector.h"
+#include "wavefront/lane_selector.h"
 
 namespace mitsuba::culling {
 

@@ -3,8 +3,8 @@
 #include <type_traits>
 #include <utility>
 
-#include "path_setup.h"
-#include "wavefront_passes.h"
+#include "paths/path_context.h"
+#include "wavefront/wavefront_passes.h"
 
 namespace mitsuba::culling {
 

@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <utility>
 
-#include "lane_selector.h"
-#include "path_setup.h"
+#include "paths/path_context.h"
+#include "wavefront/lane_selector.h"
 
 namespace mitsuba::culling {
 

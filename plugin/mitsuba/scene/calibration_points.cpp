@@ -1,11 +1,11 @@
-#include "camera_points.h"
+#include "scene/calibration_points.h"
 
 #include <mitsuba/core/warp.h>
 
 #include <cmath>
 
-#include "lanes.h"
-#include "variants.h"
+#include "arrays/evaluate.h"
+#include "arrays/variants.h"
 
 namespace mitsuba::culling {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <cstdint>
 
-#include "pass_samples.h"
+#include "sampler/range_sets.h"
 
 namespace mitsuba::culling {
 

@@ -1,13 +1,13 @@
-#include "scene_lights.h"
+#include "scene/scene_lights.h"
 
 #include <algorithm>
 #include <cmath>
 #include <string>
 
-#include "emission.h"
-#include "lanes.h"
-#include "triangle_point.h"
-#include "variants.h"
+#include "arrays/evaluate.h"
+#include "arrays/variants.h"
+#include "scene/emission_probe.h"
+#include "scene/triangle_point.h"
 
 namespace mitsuba::culling {
 namespace {

@@ -11,8 +11,8 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "pass_samples.h"
-#include "path_wavefront.h"
+#include "sampler/range_sets.h"
+#include "wavefront/wavefront.h"
 
 namespace mitsuba::culling {
 

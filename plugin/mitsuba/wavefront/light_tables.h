@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "scene_lights.h"
+#include "scene/scene_lights.h"
 
 namespace mitsuba::culling {
 

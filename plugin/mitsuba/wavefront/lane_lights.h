@@ -2,9 +2,9 @@
 
 #include <mitsuba/core/warp.h>
 
-#include "lane_selector.h"
-#include "light_tables.h"
-#include "triangle_pdf.h"
+#include "scene/triangle_pdf.h"
+#include "wavefront/lane_selector.h"
+#include "wavefront/light_tables.h"
 
 namespace mitsuba::culling {
 

@@ -1,4 +1,4 @@
-#include "path_scalar.h"
+#include "scalar/scalar_path.h"
 
 #include <lightcull/samplers.h>
 
@@ -6,10 +6,10 @@
 
 #include <cmath>
 
-#include "receiver.h"
-#include "triangle_pdf.h"
-#include "triangle_point.h"
-#include "variants.h"
+#include "arrays/variants.h"
+#include "scene/surface_receiver.h"
+#include "scene/triangle_pdf.h"
+#include "scene/triangle_point.h"
 
 namespace mitsuba::culling {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "path_setup.h"
+#include "paths/path_context.h"
 
 namespace mitsuba::culling {
 

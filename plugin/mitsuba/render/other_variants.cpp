@@ -1,4 +1,4 @@
-#include "refusal.h"
+#include "render/other_variants.h"
 
 #include <mitsuba/core/config.h>
 #include <mitsuba/core/logger.h>

@@ -1,10 +1,10 @@
-#include "path_wavefront.h"
+#include "wavefront/wavefront.h"
 
-#include "lane_lights.h"
-#include "lane_random.h"
-#include "paths.h"
-#include "receiver.h"
-#include "variants.h"
+#include "arrays/variants.h"
+#include "scene/surface_receiver.h"
+#include "wavefront/lane_lights.h"
+#include "wavefront/lane_random.h"
+#include "wavefront/path_states.h"
 
 namespace mitsuba::culling {
 namespace {

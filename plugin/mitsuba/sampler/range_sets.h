@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "path_setup.h"
+#include "paths/path_context.h"
 
 namespace mitsuba::culling {
 

@@ -13,8 +13,8 @@
 #include <memory>
 #include <mutex>
 
-#include "pass_samples.h"
-#include "pixel_samplers.h"
+#include "sampler/range_sets.h"
+#include "scalar/pixel_random.h"
 
 namespace mitsuba::culling {
 

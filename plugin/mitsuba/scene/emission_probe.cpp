@@ -1,4 +1,4 @@
-#include "emission.h"
+#include "scene/emission_probe.h"
 
 #include <mitsuba/core/warp.h>
 
@@ -6,9 +6,9 @@
 #include <cmath>
 #include <string>
 
-#include "lanes.h"
-#include "triangle_point.h"
-#include "variants.h"
+#include "arrays/evaluate.h"
+#include "arrays/variants.h"
+#include "scene/triangle_point.h"
 
 namespace mitsuba::culling {
 namespace {

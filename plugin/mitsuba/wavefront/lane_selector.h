@@ -5,10 +5,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "host_columns.h"
-#include "pass_samples.h"
-#include "receiver.h"
-#include "variants.h"
+#include "arrays/host_columns.h"
+#include "arrays/variants.h"
+#include "sampler/range_sets.h"
+#include "scene/surface_receiver.h"
 
 namespace mitsuba::culling {
 

@@ -1,4 +1,4 @@
-#include "parameters.h"
+#include "sampler/sampler_description.h"
 
 #include <array>
 #include <charconv>

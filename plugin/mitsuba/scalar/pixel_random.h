@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "pass_samples.h"
+#include "sampler/range_sets.h"
 
 namespace mitsuba::culling {
 

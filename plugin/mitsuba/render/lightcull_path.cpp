@@ -8,22 +8,22 @@
 #include <string>
 #include <utility>
 
-#include "block_passes.h"
-#include "camera_points.h"
-#include "light_tables.h"
-#include "made_sampler.h"
-#include "parameters.h"
-#include "path_scalar.h"
-#include "path_wavefront.h"
-#include "receiver.h"
-#include "refusal.h"
-#include "render_task.h"
-#include "scene_lights.h"
-#include "shape_count.h"
-#include "spare.h"
-#include "turn.h"
-#include "variants.h"
-#include "wavefront_passes.h"
+#include "arrays/variants.h"
+#include "render/llvm_render_lock.h"
+#include "render/other_variants.h"
+#include "render/render_task.h"
+#include "sampler/reusable_sampler.h"
+#include "sampler/sampler_cache.h"
+#include "sampler/sampler_description.h"
+#include "scalar/block_passes.h"
+#include "scalar/scalar_path.h"
+#include "scene/calibration_points.h"
+#include "scene/many_shapes_warning.h"
+#include "scene/scene_lights.h"
+#include "scene/surface_receiver.h"
+#include "wavefront/light_tables.h"
+#include "wavefront/wavefront.h"
+#include "wavefront/wavefront_passes.h"
 
 namespace mitsuba::culling {
 namespace {

@@ -7,7 +7,7 @@
 
 #include <cstdint>
 
-#include "scene_lights.h"
+#include "scene/scene_lights.h"
 
 namespace mitsuba::culling {
 
