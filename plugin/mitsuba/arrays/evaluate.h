@@ -15,6 +15,7 @@ namespace mitsuba::culling {
 
 namespace dr = drjit;
 
+/// The number as a Float of the variant.
 template <typename Float, typename UInt32>
 Float to_float(const UInt32& value) {
     if constexpr (dr::is_jit_v<Float>) {
@@ -24,7 +25,7 @@ Float to_float(const UInt32& value) {
     }
 }
 
-/// Elements of a Dr.Jit array in memory; a single one stands for all.
+/// The first `count` elements of a Dr.Jit array, copied; a single element stands for all.
 template <typename T, typename Array>
 std::vector<T> to_host(const Array& array, std::size_t count) {
     const Column<T> column(array);
@@ -33,8 +34,8 @@ std::vector<T> to_host(const Array& array, std::size_t count) {
     return elements;
 }
 
-/// value(i) for each i below `count`, where `value` gives N floats: called on one array in JIT
-/// variants, and once for each number in the others.
+/// The values of value(i) for each i below `count`, where `value` gives N floats. `value` is called
+/// on one array of all i in JIT variants, and once for each i in the others.
 template <std::size_t N, typename Float, typename Value>
 std::array<std::vector<float>, N> evaluate(std::uint32_t count, Value&& value) {
     using UInt32 = dr::uint32_array_t<Float>;

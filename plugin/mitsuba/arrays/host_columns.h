@@ -17,8 +17,8 @@ namespace mitsuba::culling {
 
 namespace dr = drjit;
 
-/// The elements of a Dr.Jit array, in memory. One that is a single value stands for any number of
-/// it.
+/// A column gives the processor the elements of a Dr.Jit array. An array of a single element stands
+/// for any number of it.
 template <typename T>
 class Column {
   public:
@@ -26,7 +26,7 @@ class Column {
     explicit Column(const Array& array) {
         auto values = std::make_shared<std::decay_t<decltype(dr::detach(array))>>(array);
         data_ = static_cast<const T*>(values->data());
-        dr::sync_thread();  // they may not be written yet
+        dr::sync_thread();  // a kernel may not have written them yet
         size_ = dr::width(*values);
         stride_ = size_ == 1 ? 0 : 1;
         keep_ = std::move(values);
@@ -40,7 +40,7 @@ class Column {
     std::size_t size_, stride_;
 };
 
-/// The same for three columns.
+/// A vector column does the same for an array of vectors.
 class VectorColumn {
   public:
     template <typename Vector>
@@ -51,16 +51,17 @@ class VectorColumn {
     Column<float> x_, y_, z_;
 };
 
-/// Memory that Dr.Jit reads as an array. Dr.Jit works in packets: it reads, though it does not use,
-/// some elements after the last.
+/// A shared array is memory that the processor writes and Dr.Jit reads as an array. Dr.Jit works in
+/// packets: it reads, though it does not use, some elements after the last.
 template <typename T>
 class SharedArray {
   public:
-    /// All of them `value`; what was there is lost.
+    /// Makes the array `count` elements of `value`; what was there is lost.
     void assign(std::size_t count, T value) { values_.assign(count + kPadding, value); }
     T& operator[](std::size_t i) { return values_[i]; }
 
-    /// Not a copy: the memory must stay as it is until all that uses the array has been evaluated.
+    /// The Dr.Jit array that reads this memory. It is no copy: the memory must stay as it is until
+    /// all that uses the array has been evaluated.
     template <typename Array>
     Array view() {
         return dr::map<Array>(values_.data(), values_.size() - kPadding);
@@ -71,7 +72,7 @@ class SharedArray {
     std::vector<T> values_;
 };
 
-/// function(i) for each i below `count`, on Mitsuba's threads.
+/// Calls function(i) for each i below `count`, on Mitsuba's threads.
 template <typename Function>
 void for_each_lane(std::size_t count, const Function& function) {
     constexpr std::size_t kGrain = 4096;

@@ -12,7 +12,7 @@ using LlvmSpectrum = Spectrum<LlvmFloat, 4>;
 
 }  // namespace mitsuba::culling
 
-/// X(Float, Spectrum) for every variant that can render.
+// Each calls X(Float, Spectrum) once for every variant that can render, of the kind it names.
 #define LIGHTCULL_SCALAR_VARIANTS(X) X(float, ScalarRgb) X(float, ScalarSpectrum)
 #define LIGHTCULL_LLVM_VARIANTS(X) X(LlvmFloat, LlvmRgb) X(LlvmFloat, LlvmSpectrum)
 #define LIGHTCULL_VARIANTS(X) LIGHTCULL_SCALAR_VARIANTS(X) LIGHTCULL_LLVM_VARIANTS(X)

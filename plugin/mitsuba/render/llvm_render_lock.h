@@ -6,16 +6,16 @@
 
 namespace mitsuba::culling {
 
-inline std::mutex llvm_render;
+inline std::mutex llvm_render_mutex;
 
-/// To be held during a render, so that LLVM variants render one scene at a time; scalar ones need
-/// not wait. Dr.Jit (1.3.1) keeps one queue of kernels for all threads, and where several wait for
-/// it again and again, as between the bounces of a wavefront, it loses track of what still runs.
-/// Kernels use all processors, so that little is lost.
+/// The lock that a render holds, so that LLVM variants render one scene at a time; scalar variants
+/// need not wait. Dr.Jit (1.3.1) keeps one queue of kernels for all threads, and where several
+/// threads wait for it again and again, as between the bounces of a wavefront, it loses track of
+/// what still runs. Kernels use all processors, so that little is lost.
 template <typename Float>
-std::unique_lock<std::mutex> take_turn() {
+std::unique_lock<std::mutex> lock_llvm_render() {
     if constexpr (drjit::is_jit_v<Float>) {
-        return std::unique_lock(llvm_render);
+        return std::unique_lock(llvm_render_mutex);
     } else {
         return {};
     }

@@ -6,7 +6,8 @@
 
 namespace mitsuba::culling {
 
-/// Registers, for the variants that cannot render, a plugin that says so.
+/// Registers, for each variant of Mitsuba in which lightcull_path cannot render, a plugin that
+/// throws and says so.
 void register_refusals(std::string_view name, PluginRegisterFn register_variant);
 
 }  // namespace mitsuba::culling

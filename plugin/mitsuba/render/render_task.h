@@ -4,28 +4,31 @@
 #include <utility>
 
 #include "paths/path_context.h"
+#include "sampler/range_sets.h"
 #include "wavefront/wavefront_passes.h"
 
 namespace mitsuba::culling {
 
-/// What Integrator::sample() is to do, as far as its parameters do not say: set by the thread that
-/// calls it, for as long as this lives.
+/// A task says what Integrator::sample() is to do, as far as its parameters do not. The thread that
+/// calls sample() makes one, which holds for as long as it lives.
 template <typename Float, typename Spectrum>
 class RenderTask {
   public:
-    /// The sets of ranges of the one path, or the passes, of which there is one to trace.
+    /// The part of the render to trace: in scalar variants one path, named by its sets of ranges;
+    /// in LLVM variants the next of the passes.
     using Part =
         std::conditional_t<dr::is_jit_v<Float>, WavefrontPasses<Float, Spectrum>, const PathSets>;
 
-    RenderTask(const PathSetup<Float, Spectrum>& setup, Part& part)
-        : setup(setup), part(part), previous_(std::exchange(current_, this)) {}
+    RenderTask(const PathContext<Float, Spectrum>& context, Part& part)
+        : context(context), part(part), previous_(std::exchange(current_, this)) {}
     ~RenderTask() { current_ = previous_; }
     RenderTask(const RenderTask&) = delete;
     RenderTask& operator=(const RenderTask&) = delete;
 
+    /// The task of the calling thread; null if it has none.
     static const RenderTask* current() { return current_; }
 
-    const PathSetup<Float, Spectrum>& setup;
+    const PathContext<Float, Spectrum>& context;
     Part& part;
 
   private:

@@ -5,17 +5,21 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "paths/path_context.h"
-
 namespace mitsuba::culling {
 
-/// Whether a sampler's numbers are independent of each other, so that any seed gives as good ones.
-template <typename Sampler>
-bool is_independent(const Sampler* sampler) {
-    return sampler->class_name() == "IndependentSampler";
-}
+/// The set of random ranges that a path uses at its camera point, and where the sets of its later
+/// points start.
+struct PathSets {
+    std::uint32_t camera = 0;
+    std::uint32_t packet = 0;
 
-/// How many samples a pixel gets in a pass: a divisor of spp, `most` or less. They use different
+    /// The set to use at the point after `depth` bounces.
+    std::uint32_t at(std::uint32_t depth, std::uint32_t set_count) const {
+        return depth == 0 ? camera : ::lightcull::set_of_packet(packet + depth, set_count);
+    }
+};
+
+/// The samples that a pixel gets in a pass: a divisor of spp, `most` or less. They use different
 /// sets of random ranges, which are rotations of each other, so that they repeat no error.
 inline std::uint32_t samples_per_pass(std::uint32_t most, std::uint32_t spp,
                                       std::uint32_t range_sets) {
@@ -32,16 +36,17 @@ inline PathSets sets_of_sample(std::uint32_t x, std::uint32_t y, std::uint32_t s
     const auto even_bits = [](std::uint32_t number) {
         return (number & 1u) | ((number >> 1) & 2u) | ((number >> 2) & 4u);
     };
-    // Those of the pixel's neighbours: near ones first, which are the ones that differ most.
+    // The sets of the pixel's neighbours: near ones first, which are the ones that differ most.
     const std::uint32_t camera =
         ::lightcull::set_of_pixel(x + even_bits(sample), y + even_bits(sample >> 1), range_sets);
     return {camera, x + 5 * y + 3 * sample};
 }
 
-/// The same for all paths of a wavefront, where those of a pixel follow each other, row by row.
+/// The sets of all paths of a wavefront, in which the paths of a pixel follow each other, and the
+/// pixels row by row.
 struct SetPattern {
     std::uint32_t width = 1;    ///< pixels
-    std::uint32_t samples = 1;  ///< of each
+    std::uint32_t samples = 1;  ///< of each pixel
     std::uint32_t range_sets = 1;
 
     PathSets sets(std::uint32_t path) const {

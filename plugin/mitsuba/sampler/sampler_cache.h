@@ -4,25 +4,28 @@
 #include <mutex>
 #include <utility>
 
+#include "sampler/reusable_sampler.h"
+
 namespace mitsuba::culling {
 
-/// One of a thing that is dear to make, kept by the last user for the next. Any number of threads.
-template <typename T>
-class Spare {
+/// The cache keeps the light sampler of the last render for the next one, since samplers take long
+/// to make. Any number of threads may use it; one of them gets what is there.
+class SamplerCache {
   public:
-    /// Null if there is none, or someone else has it.
-    std::unique_ptr<T> take() {
+    /// Gives away the sampler that is kept; null if there is none, or someone else has it.
+    std::unique_ptr<ReusableSampler> take() {
         const std::lock_guard<std::mutex> lock(mutex_);
-        return std::move(thing_);
+        return std::move(kept_);
     }
-    void keep(std::unique_ptr<T> thing) {
+    /// Keeps a sampler in place of the one that is there.
+    void keep(std::unique_ptr<ReusableSampler> sampler) {
         const std::lock_guard<std::mutex> lock(mutex_);
-        thing_ = std::move(thing);
+        kept_ = std::move(sampler);
     }
 
   private:
     std::mutex mutex_;
-    std::unique_ptr<T> thing_;
+    std::unique_ptr<ReusableSampler> kept_;
 };
 
 }  // namespace mitsuba::culling

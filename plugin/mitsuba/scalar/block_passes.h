@@ -1,8 +1,6 @@
 #pragma once
 
 #include <drjit/morton.h>
-#include <mitsuba/core/logger.h>
-#include <mitsuba/core/progress.h>
 #include <mitsuba/render/film.h>
 #include <mitsuba/render/sensor.h>
 #include <mitsuba/render/spiral.h>
@@ -11,48 +9,29 @@
 #include <algorithm>
 #include <cstdint>
 #include <memory>
-#include <mutex>
 
+#include "paths/progress_bar.h"
 #include "sampler/range_sets.h"
 #include "scalar/pixel_random.h"
 
 namespace mitsuba::culling {
 
-/// A bar on the screen, where Mitsuba's log level asks for one.
-class Progress {
-  public:
-    explicit Progress(std::uint64_t steps) : steps_(static_cast<float>(steps)) {
-        if (Thread::logger() && Info >= Thread::logger()->log_level()) {
-            reporter_ = new ProgressReporter("Rendering");
-        }
-    }
-    void step() {
-        if (!reporter_) return;
-        const std::lock_guard<std::mutex> lock(mutex_);
-        reporter_->update(static_cast<float>(++done_) / steps_);
-    }
-
-  private:
-    std::mutex mutex_;
-    ref<ProgressReporter> reporter_;
-    float steps_;
-    std::uint64_t done_ = 0;
-};
-
-/// Scalar variants: passes of a few samples for every pixel, in blocks over all threads.
+/// The passes of a render in scalar variants: each takes a few samples for every pixel, in blocks
+/// over all threads.
 template <typename Float, typename Spectrum>
 class BlockPasses {
   public:
     MI_IMPORT_TYPES(Sensor, Film, ImageBlock, Sampler)
 
+    /// A sample of a pixel.
     struct Pixel {
-        std::uint32_t x, y;    ///< among all that get samples, those of the border included
-        Point2f corner;        ///< on the film
-        std::uint32_t sample;  ///< of this pass
+        std::uint32_t x, y;    ///< place among all that get samples, with the border
+        Point2f corner;        ///< the pixel's corner on the film
+        std::uint32_t sample;  ///< number of the sample in this pass
     };
 
-    /// film_size: pixels, with the border. block_size: 0 for one that suits the threads.
-    /// range_sets: of the light sampler.
+    /// `film_size` is in pixels, with the border; a `block_size` of 0 stands for one that suits the
+    /// threads; `range_sets` is the set_count() of the light sampler.
     BlockPasses(Sensor* sensor, const ScalarVector2u& film_size, std::size_t channels,
                 std::uint32_t block_size, std::uint32_t seed, std::uint32_t spp,
                 std::uint32_t range_sets)
@@ -63,45 +42,44 @@ class BlockPasses {
           samples_(samples_per_pass(kMostSamples, spp, range_sets)),
           count_(spp / samples_),
           spiral_(new Spiral(film_size, film_->crop_offset(), block_size_, count_)),
-          samplers_(sensor->sampler(), film_size.x() * film_size.y(), seed),
+          random_(sensor->sampler(), film_size.x() * film_size.y(), seed),
           progress_(std::uint64_t{spiral_->block_count()} * count_) {}
 
     std::uint32_t count() const { return count_; }
 
-    /// Renders a pass: render(pixel, sampler, block, channels) for each sample of each pixel, until
-    /// stop().
+    /// Renders a pass: calls render(pixel, sampler, block, channels) for each sample of each pixel,
+    /// until stop() is true.
     template <typename Render, typename Stop>
     void run(std::uint32_t pass, const Render& render, const Stop& stop) {
         const std::uint32_t blocks = spiral_->block_count();
         const std::uint32_t share = std::max(blocks / (16 * pool_size()), 1u);
-        dr::parallel_for(
-            dr::blocked_range<std::uint32_t>(0, blocks, share), [&](const auto& range) {
-                ref<Sampler> sampler = samplers_.for_thread();
-                ref<ImageBlock> block =
-                    film_->create_block(ScalarVector2u(block_size_), false, true);
-                const std::unique_ptr<Float[]> channels(new Float[channels_]);
-                for (auto i = range.begin(); i != range.end() && !stop(); ++i) {
-                    place_next(block.get());
-                    each_pixel(block.get(), [&](Pixel pixel) {
-                        const std::uint32_t index = pixel.y * film_size_.x() + pixel.x;
-                        Sampler* const random = samplers_.at(index, pass, sampler.get());
-                        for (; pixel.sample < samples_ && !stop(); ++pixel.sample) {
-                            render(pixel, random, block.get(), channels.get());
-                            random->advance();
-                        }
-                    });
-                    film_->put_block(block);
-                    progress_.step();
-                }
-            });
+        const dr::blocked_range<std::uint32_t> all(0, blocks, share);
+        dr::parallel_for(all, [&](const auto& range) {
+            ref<Sampler> sampler = random_.for_thread();
+            ref<ImageBlock> block = film_->create_block(ScalarVector2u(block_size_), false, true);
+            const std::unique_ptr<Float[]> channels(new Float[channels_]);
+            for (auto i = range.begin(); i != range.end() && !stop(); ++i) {
+                place_next(block.get());
+                each_pixel(block.get(), [&](Pixel pixel) {
+                    const std::uint32_t index = pixel.y * film_size_.x() + pixel.x;
+                    Sampler* const random = random_.at(index, pass, sampler.get());
+                    for (; pixel.sample < samples_ && !stop(); ++pixel.sample) {
+                        render(pixel, random, block.get(), channels.get());
+                        random->advance();
+                    }
+                });
+                film_->put_block(block);
+                progress_.step();
+            }
+        });
     }
 
   private:
-    /// More of them would spare refits and waiting for the last thread, and show the same ranges
-    /// for longer.
+    /// The most samples of a pixel in a pass. More would spare refits and waits for the last
+    /// thread, and show the same ranges for longer.
     static constexpr std::uint32_t kMostSamples = 4;
 
-    /// Every thread is to have a block.
+    /// The largest size of which every thread gets a block.
     std::uint32_t suitable_block_size() const {
         std::uint32_t size = MI_BLOCK_SIZE;
         while (size > 1 && dr::prod((film_size_ + size - 1) / size) < pool_size()) size /= 2;
@@ -137,8 +115,8 @@ class BlockPasses {
     std::size_t channels_;
     std::uint32_t block_size_, samples_, count_;
     ref<Spiral> spiral_;
-    PixelSamplers<Float, Spectrum> samplers_;
-    Progress progress_;
+    PixelRandom<Float, Spectrum> random_;
+    ProgressBar progress_;
 };
 
 }  // namespace mitsuba::culling

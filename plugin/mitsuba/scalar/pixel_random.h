@@ -6,21 +6,21 @@
 #include <cstdint>
 #include <vector>
 
-#include "sampler/range_sets.h"
+#include "paths/independent_sampler.h"
 
 namespace mitsuba::culling {
 
 /// The random numbers of each pixel in scalar variants, where a pass returns to a pixel for one
 /// more sample.
 ///
-/// `independent` is seeded anew each time. Any other sampler spreads the samples of a pixel over
-/// all passes, which takes a sampler of its own for each pixel (some 100 bytes).
+/// A sampler of type `independent` is seeded anew each time. Any other sampler spreads the samples
+/// of a pixel over all passes, which takes a sampler of its own for each pixel (some 100 bytes).
 template <typename Float, typename Spectrum>
-class PixelSamplers {
+class PixelRandom {
   public:
     MI_IMPORT_TYPES(Sampler)
 
-    PixelSamplers(Sampler* prototype, std::uint32_t pixels, std::uint32_t seed)
+    PixelRandom(Sampler* prototype, std::uint32_t pixels, std::uint32_t seed)
         : prototype_(prototype), seed_(seed) {
         if (is_independent(prototype)) return;
         kept_.resize(pixels);
@@ -30,10 +30,10 @@ class PixelSamplers {
         }
     }
 
-    /// What a thread hands to at().
+    /// A sampler for a thread to hand to at().
     ref<Sampler> for_thread() const { return prototype_->fork(); }
 
-    /// The sampler for a pixel in a pass; call advance() on it after the sample.
+    /// The sampler for a pixel in a pass; call advance() on it after each sample.
     Sampler* at(std::uint32_t pixel, std::uint32_t pass, Sampler* of_thread) const {
         if (!kept_.empty()) return const_cast<Sampler*>(kept_[pixel].get());
         of_thread->seed(sample_tea_32(seed_, pass).first + pixel);

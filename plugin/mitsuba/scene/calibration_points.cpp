@@ -11,7 +11,7 @@ namespace mitsuba::culling {
 namespace {
 
 constexpr std::uint32_t kRow = 12, kRays = kRow * kRow;
-/// Of what a ray meets: a position, a normal, whether there is anything.
+/// The fields of what a ray meets: its position, its normal, and whether there is anything.
 constexpr std::size_t kFields = 7;
 
 template <typename Float, typename SurfaceInteraction3f>
@@ -29,8 +29,8 @@ std::array<Float, kFields> fields(const SurfaceInteraction3f& si) {
 }  // namespace
 
 template <typename Float, typename Spectrum>
-std::vector<::lightcull::ShadingPoint> typical_points(const Scene<Float, Spectrum>* scene,
-                                                      const Sensor<Float, Spectrum>* sensor) {
+std::vector<::lightcull::ShadingPoint> calibration_points(const Scene<Float, Spectrum>* scene,
+                                                          const Sensor<Float, Spectrum>* sensor) {
     using Point2f = Point<Float, 2>;
     using Vector3f = Vector<Float, 3>;
     using Ray3f = Ray<Point<Float, 3>, Spectrum>;
@@ -72,8 +72,8 @@ std::vector<::lightcull::ShadingPoint> typical_points(const Scene<Float, Spectru
     return points;
 }
 
-#define INSTANTIATE(Float, Spectrum)                                                 \
-    template std::vector<::lightcull::ShadingPoint> typical_points<Float, Spectrum>( \
+#define INSTANTIATE(Float, Spectrum)                                                     \
+    template std::vector<::lightcull::ShadingPoint> calibration_points<Float, Spectrum>( \
         const Scene<Float, Spectrum>*, const Sensor<Float, Spectrum>*);
 LIGHTCULL_VARIANTS(INSTANTIATE)
 

@@ -9,10 +9,10 @@
 
 namespace mitsuba::culling {
 
-/// Some hundred points that the camera sees, and as many again that one bounce from there reaches,
-/// to calibrate a light sampler on.
+/// The points to calibrate a light sampler on: some hundred that the camera sees, and as many again
+/// that one bounce from there reaches. Points that meet nothing are left out, so there may be none.
 template <typename Float, typename Spectrum>
-std::vector<::lightcull::ShadingPoint> typical_points(const Scene<Float, Spectrum>* scene,
-                                                      const Sensor<Float, Spectrum>* sensor);
+std::vector<::lightcull::ShadingPoint> calibration_points(const Scene<Float, Spectrum>* scene,
+                                                          const Sensor<Float, Spectrum>* sensor);
 
 }  // namespace mitsuba::culling

@@ -13,14 +13,14 @@
 namespace mitsuba::culling {
 namespace {
 
-/// Points per triangle where radiance varies; fewer where there are many triangles.
+/// The points per triangle where radiance varies; there are fewer where there are many triangles.
 constexpr std::uint32_t kFewestPoints = 16, kMostPoints = 1024, kPointsPerMesh = 1 << 16;
-/// Points with wavelengths of their own where radiance does not vary.
+/// The points, each with wavelengths of its own, where radiance does not vary.
 constexpr std::uint32_t kSpectralPoints = 16;
-/// Directions in which a point is looked at: angles from its axis, times angles about it.
+/// The directions from which a point is looked at: angles from its axis, times angles about it.
 constexpr std::uint32_t kPolarSteps = 512, kAzimuthSteps = 8;
 constexpr float kNearlyPeak = 0.9f;
-/// Of an emitter without a place.
+/// The samples that are taken of an emitter without a place, and the directions of an environment.
 constexpr std::uint32_t kSamples = 64, kDirections = 4096;
 
 /// Two numbers in [0, 1) that spread evenly (the R2 sequence).
@@ -30,7 +30,8 @@ Point<Float, 2> spread(const Float& index) {
     return {u - dr::floor(u), v - dr::floor(v)};
 }
 
-/// Wavelengths spread over the visible range, of which each index has others; nothing in RGB.
+/// The wavelengths of an index, spread over the visible range; each index has others. In RGB there
+/// are none.
 template <typename Float, typename Spectrum>
 wavelength_t<Spectrum> wavelengths(const Float& index) {
     if constexpr (is_spectral_v<Spectrum>) {
@@ -47,12 +48,12 @@ wavelength_t<Spectrum> wavelengths(const Float& index) {
 template <typename Float, typename Spectrum>
 Float absolute_luminance(const Spectrum& value, const wavelength_t<Spectrum>& wavelengths) {
     const Float result = dr::abs(luminance(value, wavelengths));
-    // Film values are integrals over the wavelengths, this was their mean.
+    // Film values are integrals over the wavelengths; luminance() takes their mean.
     constexpr double kRange = (MI_CIE_MAX - MI_CIE_MIN) * MI_CIE_Y_NORMALIZATION;
     return is_spectral_v<Spectrum> ? result * static_cast<float>(kRange) : result;
 }
 
-/// Front and back radiance at a point of a surface.
+/// The front and back radiance (luminance) at a point of a surface.
 template <typename Float, typename Spectrum>
 std::array<Float, 2> both_sides(const Emitter<Float, Spectrum>* emitter,
                                 SurfaceInteraction<Float, Spectrum> si) {
@@ -143,7 +144,7 @@ PointEmission EmissionProbe<Float, Spectrum>::point() const {
     std::vector<float> profile(kPolarSteps);
     for (std::uint32_t i = 0; i < kPolarSteps; ++i) {
         profile[i] = mean(&seen[0][std::size_t{i} * kAzimuthSteps], kAzimuthSteps);
-        // One that is no number stays.
+        // A value that is no number stays.
         if (!(profile[i] <= result.peak) && !std::isnan(result.peak)) result.peak = profile[i];
     }
     // A spot's fall-off is known by its angle alone; of anything else only the peak is used.

@@ -11,20 +11,20 @@
 
 namespace mitsuba::culling {
 
-/// Mean radiance (luminance, >= 0) that leaves a surface on its two sides.
+/// The mean radiance (luminance, W/(m^2 sr), >= 0) that leaves a surface on its two sides.
 struct Emission {
     float front = 0.0f, back = 0.0f;
 };
 
-/// What a point emits in which directions: `peak` W/sr (luminance) up to `inner` from the axis,
-/// less up to `outer`; radians.
+/// What a point emits in which directions: `peak` (luminance, W/sr) up to the angle `inner` from
+/// `axis`, less from there to `outer`, and nothing beyond; both in radians.
 struct PointEmission {
     ::lightcull::float3 position, axis{0, 0, 1};
     float peak = 0.0f, inner = 0.0f, outer = 0.0f;
 };
 
-/// Asks Mitsuba what an emitter emits. All estimates are by few samples, and only selection rests
-/// on them.
+/// The probe asks Mitsuba what an emitter emits. All estimates are by few samples, and only
+/// selection rests on them.
 template <typename Float, typename Spectrum>
 class EmissionProbe {
   public:
@@ -32,16 +32,17 @@ class EmissionProbe {
 
     explicit EmissionProbe(const Emitter* emitter) : emitter_(emitter) {}
 
-    /// Of each triangle of the emitter's mesh.
+    /// The emission of each triangle of the emitter's mesh.
     std::vector<Emission> triangles(const Mesh* mesh) const;
 
-    /// Of the emitter's shape, by points sampled on it.
+    /// The emission of the emitter's shape, by points sampled on it.
     Emission shape() const;
 
-    /// Of an emitter that is a point. Its peak is 0 if no light was found.
+    /// The emission of an emitter that is a point. Its peak is 0 if the probe found no light, and
+    /// NaN if what it found is no number.
     PointEmission point() const;
 
-    /// Of an emitter without a place: whether samples of it from a point are numbers, and tell of
+    /// Whether samples that a point takes of an emitter without a place are numbers, and tell of
     /// the light that there is.
     bool can_be_sampled(const ScalarPoint3f& point) const;
 

@@ -7,7 +7,8 @@
 
 namespace mitsuba::culling {
 
-/// Says once what to do about a scene with more emitting shapes than LLVM variants can do with.
+/// Says, once for each variant, what to do about a scene that has more emitting shapes than LLVM
+/// variants cope with.
 template <typename Scene>
 void warn_of_many_shapes(const Scene* scene) {
     constexpr std::size_t kMany = 500;

@@ -19,7 +19,7 @@ bool finite(const float3& v) {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
-/// What users know an emitter by.
+/// The name that users know an emitter by.
 template <typename Emitter>
 std::string name_of(const Emitter* emitter) {
     std::string name = "emitter \"" + std::string(emitter->id()) + "\"";
@@ -27,9 +27,9 @@ std::string name_of(const Emitter* emitter) {
     return name;
 }
 
-/// Facing: which way each triangle emits, and how far its shading normals turn from that.
+/// Which way each triangle of a mesh faces, and how far its shading normals turn from that.
 struct Facing {
-    std::vector<float> side;        ///< < 0 where its normal is not that of its corners' order
+    std::vector<float> side;        ///< < 0 where the normal is not that of the corners' order
     std::vector<float> cos_spread;  ///< cosine of the largest angle to a shading normal
 };
 

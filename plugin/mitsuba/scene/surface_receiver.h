@@ -7,14 +7,14 @@
 
 namespace mitsuba::culling {
 
-/// What a light sampler is told of a surface point besides its place: the fields of
-/// lightcull::ShadingPoint.
+/// What a light sampler is told of a surface point besides its place. The fields mean what those of
+/// lightcull::ShadingPoint and its lobe mean.
 template <typename Float_>
 struct Receiver {
     using Float = Float_;
     Vector<Float, 3> normal;
     Float diffuse;
-    Vector<Float, 3> axis;  ///< of the lobe, as are the next two
+    Vector<Float, 3> axis;  ///< the lobe's, as are alpha and peak
     Float alpha, peak;
 
     // NOLINTNEXTLINE(performance-noexcept-move-constructor)
@@ -37,7 +37,7 @@ template <typename Float, typename Spectrum>
 Receiver<Float> matte_receiver(const SurfaceInteraction<Float, Spectrum>& si,
                                const dr::uint32_array_t<Float>& flags) {
     using Vector3f = Vector<Float, 3>;
-    // Light from behind counts for a BSDF with one of these.
+    // Light from behind counts for a BSDF that has one of these.
     constexpr std::uint32_t kBothSides =
         BSDFFlags::DiffuseTransmission | BSDFFlags::GlossyTransmission;
     const Vector3f facing(dr::mulsign(si.sh_frame.n, Frame<Float>::cos_theta(si.wi)));
@@ -50,9 +50,9 @@ Receiver<Float> matte_receiver(const SurfaceInteraction<Float, Spectrum>& si,
     return receiver;
 }
 
-/// The same with the lobe, as far as Mitsuba's interface shows it: what the glossy part of the BSDF
-/// is worth in the mirror direction, and how densely it is sampled there. With microfacets of
-/// roughness alpha that density is D(n) / (4 cos), and D(n) = 1 / (pi alpha^2).
+/// The receiver at a surface point with the lobe of its BSDF, as far as Mitsuba's interface shows
+/// it: what the glossy part is worth in the mirror direction, and how densely it is sampled there.
+/// With microfacets of roughness alpha that density is D(n) / (4 cos), and D(n) = 1 / (pi alpha^2).
 template <typename Float, typename Spectrum, typename BSDFPtr>
 Receiver<Float> glossy_receiver(const SurfaceInteraction<Float, Spectrum>& si, const BSDFPtr& bsdf,
                                 const dr::uint32_array_t<Float>& flags,

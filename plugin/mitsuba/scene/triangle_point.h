@@ -4,8 +4,8 @@
 
 namespace mitsuba::culling {
 
-/// The interaction with a triangle of a mesh at prim_uv, as if a ray had hit it there. Direction,
-/// time and wavelengths are for the caller to set.
+/// The interaction with a triangle of a mesh at prim_uv, as if a ray had hit it there. The caller
+/// sets its direction, time and wavelengths.
 template <typename Float, typename Spectrum>
 SurfaceInteraction<Float, Spectrum> triangle_point(const Mesh<Float, Spectrum>* mesh,
                                                    const dr::uint32_array_t<Float>& triangle,

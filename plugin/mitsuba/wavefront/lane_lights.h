@@ -17,15 +17,15 @@ struct LightSample {
 
     Point3f p;
     Vector3f direction;
-    Spectrum weight;  ///< radiance by the density of the sample
-    Float pdf;        ///< to weigh it with
+    Spectrum weight;  ///< radiance divided by the density of the sample
+    Float pdf;        ///< the density that stands for it in weights
     Mask delta, active;
 
     // NOLINTNEXTLINE(performance-noexcept-move-constructor)
     DRJIT_STRUCT(LightSample, p, direction, weight, pdf, delta, active)
 };
 
-/// Samples the lights of a scene, for wavefronts.
+/// Samples points on the lights of a scene, for all lanes at once.
 template <typename Float, typename Spectrum>
 class LaneLights {
   public:
@@ -36,7 +36,7 @@ class LaneLights {
 
     explicit LaneLights(const LightTables<Float, Spectrum>& tables) : tables_(tables) {}
 
-    /// On the lights that were chosen.
+    /// Samples the lights that were chosen.
     Sample sample_chosen(const SurfaceInteraction3f& si, const LaneSelector::Chosen& chosen,
                          const Point2f& random, const Mask& active) const {
         const Mask found = active && chosen.prob > 0.0f;
@@ -55,7 +55,7 @@ class LaneLights {
             sample_triangle(si, emitter, triangle, chosen, random, found && is_triangle));
     }
 
-    /// One of the emitters without a place.
+    /// Samples one of the emitters without a place.
     Sample sample_unplaced(const SurfaceInteraction3f& si, const Float& random_1,
                            const Point2f& random_2, const Mask& active) const {
         const auto [emitter, prob] = tables_.unplaced(random_1);
@@ -92,7 +92,7 @@ class LaneLights {
         return sample;
     }
 
-    /// Of an emitter that Mitsuba samples.
+    /// Samples emitters as Mitsuba does.
     Sample sample_whole(const SurfaceInteraction3f& si, const EmitterPtr& emitter,
                         const Point2f& random, const Float& select_prob, const Float& mis_prob,
                         const Mask& active) const {

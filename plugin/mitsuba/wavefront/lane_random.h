@@ -5,23 +5,23 @@
 
 #include <cstdint>
 
-#include "sampler/range_sets.h"
+#include "paths/independent_sampler.h"
 
 namespace mitsuba::culling {
 
 /// The random numbers of the paths of a wavefront that are left.
 ///
-/// `independent` is seeded anew for as many as there are. Any other sampler draws for all paths
-/// that there ever were, since what each gets depends on what it got before.
+/// A sampler of type `independent` is seeded anew for as many as are left. Any other sampler draws
+/// for all paths that there ever were, since what each gets depends on what it got before.
 template <typename Float, typename Spectrum>
 class LaneRandom {
   public:
     MI_IMPORT_TYPES(Sampler)
 
-    /// seed: of the pass.
+    /// `seed` is that of the pass.
     LaneRandom(Sampler* sampler, std::uint32_t seed) : sampler_(sampler), seed_(seed) {}
 
-    /// path: those that are left.
+    /// Draws from now on for the paths of `path`, those that are left after `depth` bounces.
     void keep(const UInt32& path, std::uint32_t depth) {
         path_ = path;
         compacted_ = dr::width(path) != sampler_->wavefront_size();
@@ -34,7 +34,7 @@ class LaneRandom {
     Float next_1d() { return own_ ? own_->next_1d() : of_paths(sampler_->next_1d()); }
     Point2f next_2d() { return own_ ? own_->next_2d() : of_paths(sampler_->next_2d()); }
 
-    /// Marks what must be evaluated for the next numbers to be others.
+    /// Marks for evaluation what makes the next numbers differ from these.
     void schedule() {
         if (!own_) sampler_->schedule_state();
     }

@@ -12,18 +12,18 @@
 
 namespace mitsuba::culling {
 
-/// What goes to and from a light sampler, kept from one bounce and pass to the next: to get as much
-/// memory anew from the system each time would cost more than to fill it.
+/// What goes to and from a light sampler. It is kept from one bounce and pass to the next, since to
+/// get as much memory from the system each time would cost more than to fill it.
 struct LaneMemory {
     /// What was chosen at one bounce.
     struct Choices {
-        std::vector<std::uint32_t> slots;  ///< of each lane that got one, into the next two
+        std::vector<std::uint32_t> slots;  ///< of each lane that chose: where it is in the next two
         std::vector<::lightcull::ShadingPoint> points;
         std::vector<::lightcull::Selection> selections;
     };
     Choices choices;
-    std::vector<float> random;  ///< of the lanes that choose a light
-    // Of all lanes.
+    std::vector<float> random;  ///< for each of choices.points
+    // These have an element for each lane.
     SharedArray<std::uint32_t> lights;
     SharedArray<float> hit_probs, probs, mis_probs;
 };
@@ -40,17 +40,17 @@ class LaneSelector {
     struct Chosen {
         UInt32 light;
         Float prob;      ///< 0: none
-        Float mis_prob;  ///< the one to weigh it with
+        Float mis_prob;  ///< the probability that stands for it in weights
     };
 
     LaneSelector(const ::lightcull::LightSampler& sampler, std::size_t light_count,
                  const SetPattern& pattern, LaneMemory& memory)
         : sampler_(sampler), light_count_(light_count), pattern_(pattern), memory_(memory) {}
 
-    /// Whether there is a choice. If not, what the calls below are given need not be evaluated.
+    /// Whether there is a choice. If not, the arguments of the calls below need not be evaluated.
     bool has_choice() const { return light_count_ > 1; }
 
-    /// A light for every lane of `wanted`. path: the one that is in the lane.
+    /// Chooses a light for every lane of `wanted`. `path` names the path that is in each lane.
     Chosen choose(const Mask& wanted, const Point3f& position, const Receiver<Float>& receiver,
                   const UInt32& path, const Float& random, std::uint32_t depth);
 

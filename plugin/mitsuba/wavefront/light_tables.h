@@ -9,20 +9,21 @@
 
 namespace mitsuba::culling {
 
-/// SceneLights as arrays on the device, for wavefronts.
+/// The lights of a scene as Dr.Jit arrays, which the kernels of a wavefront read.
 template <typename Float, typename Spectrum>
 class LightTables {
   public:
     MI_IMPORT_TYPES(Scene, Emitter, EmitterPtr, Shape, ShapePtr)
 
-    /// How an emitter is sampled.
+    /// The ways in which an emitter is sampled: not at all, by triangles that are lights, as the
+    /// one light that it is, or by its weight.
     static constexpr std::uint32_t kOnlyHit = 0, kTriangles = 1, kWhole = 2, kUnplaced = 3;
 
-    /// What is known of emitters, lane by lane.
+    /// What the tables know of the emitters of all lanes.
     struct Entry {
         UInt32 kind;
         UInt32 first_light;
-        Float prob;  ///< of an unplaced one
+        Float prob;  ///< of an unplaced emitter, else 0
     };
 
     LightTables(const Scene* scene, const SceneLights<Float, Spectrum>& lights);
@@ -38,7 +39,8 @@ class LightTables {
     bool has_wholes() const { return has_wholes_; }
     bool has_unplaced() const { return unplaced_count_ != 0; }
 
-    /// One of the unplaced emitters, of which there are some, and its probability.
+    /// Chooses one of the unplaced emitters, of which there must be some, by a number in [0, 1);
+    /// returns it and its probability.
     std::pair<EmitterPtr, Float> unplaced(const Float& random) const {
         UInt32 place(0);
         if (unplaced_count_ > 1) {
@@ -50,16 +52,19 @@ class LightTables {
                 dr::gather<Float>(unplaced_probs_, place)};
     }
 
+    /// The emitter that each light belongs to.
     EmitterPtr emitter(const UInt32& light, const Mask& active) const {
         return dr::gather<EmitterPtr>(emitters_, light, active);
     }
-    /// Its place in its mesh; of a light that is no triangle, kNoTriangle.
+    /// The index of each light's triangle in its mesh; kNoTriangle for a light that is none.
     UInt32 triangle(const UInt32& light, const Mask& active) const {
         return dr::gather<UInt32>(triangles_, light, active);
     }
+    /// One of the three corners of each light that is a triangle.
     Point3f corner(std::uint32_t which, const UInt32& light, const Mask& active) const {
         return dr::gather<Point3f>(corners_[which], light, active);
     }
+    /// The area of each light that is a triangle.
     Float area(const UInt32& light, const Mask& active) const {
         return dr::gather<Float>(areas_, light, active);
     }
@@ -71,15 +76,15 @@ class LightTables {
     void load_triangles(const SceneLights<Float, Spectrum>& lights);
     void load_unplaced(const SceneLights<Float, Spectrum>& lights);
 
-    // By the emitter's place in Dr.Jit's registry.
+    // These are indexed by the emitter's place in Dr.Jit's registry.
     UInt32 kinds_, first_lights_;
     Float probs_;
-    // By light.
+    // These are indexed by light.
     EmitterPtr emitters_;
     UInt32 triangles_;
     Float corners_[3], areas_;
     bool has_triangles_ = false, has_wholes_ = false;
-    // By the place among the unplaced; the sums are of their probabilities up to it.
+    // These are indexed by the place among the unplaced; sums are of the probabilities up to it.
     std::uint32_t unplaced_count_ = 0;
     EmitterPtr unplaced_;
     Float unplaced_probs_, unplaced_sums_;
@@ -116,7 +121,7 @@ void LightTables<Float, Spectrum>::load_sources(const Scene* scene,
     kinds_ = dr::load<UInt32>(kinds.data(), ids);
     first_lights_ = dr::load<UInt32>(first_lights.data(), ids);
     probs_ = dr::load<Float>(probs.data(), ids);
-    dr::sync_thread();  // copied, before the memory goes
+    dr::sync_thread();  // the vectors must live until they are copied
 }
 
 template <typename Float, typename Spectrum>
@@ -141,7 +146,7 @@ void LightTables<Float, Spectrum>::load_triangles(const SceneLights<Float, Spect
     }
     for (int k = 0; k < 3; ++k) corners_[k] = dr::load<Float>(corners[k].data(), corners[k].size());
     areas_ = dr::load<Float>(areas.data(), areas.size());
-    dr::sync_thread();  // copied, before the memory goes
+    dr::sync_thread();  // the vectors must live until they are copied
 }
 
 template <typename Float, typename Spectrum>
@@ -158,7 +163,7 @@ void LightTables<Float, Spectrum>::load_unplaced(const SceneLights<Float, Spectr
     unplaced_ = dr::load<EmitterPtr>(emitters.data(), emitters.size());
     unplaced_probs_ = dr::load<Float>(probs.data(), probs.size());
     unplaced_sums_ = dr::load<Float>(sums.data(), sums.size());
-    dr::sync_thread();  // copied, before the memory goes
+    dr::sync_thread();  // the vectors must live until they are copied
 }
 
 }  // namespace mitsuba::culling

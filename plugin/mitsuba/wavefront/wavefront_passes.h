@@ -12,23 +12,26 @@
 #include <cstdint>
 
 #include "sampler/range_sets.h"
-#include "wavefront/wavefront.h"
+#include "wavefront/trace_wavefront.h"
 
 namespace mitsuba::culling {
 
-/// LLVM variants: passes of some samples for every pixel, each pass one wavefront.
+/// The passes of a render in LLVM variants: each takes some samples for every pixel, as one
+/// wavefront.
 template <typename Float, typename Spectrum>
 class WavefrontPasses {
   public:
     MI_IMPORT_TYPES(Sensor, Film, ImageBlock, Sampler)
 
-    /// size: pixels, with the border. range_sets: of the light sampler.
+    /// `size` is in pixels, with the border; `range_sets` is the set_count() of the light sampler.
     WavefrontPasses(Sensor* sensor, const ScalarVector2u& size, std::uint32_t seed,
-                    std::uint32_t spp, std::uint32_t range_sets, LaneMemory& memory)
+                    std::uint32_t spp, std::uint32_t range_sets,
+                    const LightTables<Float, Spectrum>& tables, LaneMemory& memory)
         : film_(sensor->film()),
           sampler_(sensor->sampler()),
           block_(film_->create_block()),
           seed_(seed),
+          tables_(tables),
           memory_(memory) {
         const std::uint32_t pixels = dr::prod(size);
         const std::uint32_t samples =
@@ -44,14 +47,16 @@ class WavefrontPasses {
     }
 
     std::uint32_t count() const { return count_; }
-    /// The one to be rendered next.
-    WavefrontPass pass() { return {pattern_, memory_, sample_tea_32(seed_, done_).first}; }
+    /// The pass to be rendered next.
+    WavefrontPass<Float, Spectrum> pass() {
+        return {tables_, pattern_, memory_, sample_tea_32(seed_, done_).first};
+    }
     Sampler* sampler() const { return sampler_; }
     ImageBlock* block() const { return const_cast<ImageBlock*>(block_.get()); }
-    /// Corner of each lane's pixel on the film.
+    /// The corner of each lane's pixel on the film.
     const Vector2f& corners() const { return corners_; }
 
-    /// To be called after each pass.
+    /// Goes on to the next pass; call it after each.
     void advance() {
         ++done_;
         sampler_->advance();
@@ -60,10 +65,11 @@ class WavefrontPasses {
         dr::sync_thread();  // kernels read memory_
     }
 
+    /// Puts the image on the film; call it after the last pass.
     void finish() { film_->put_block(block_); }
 
   private:
-    /// So many lanes keep all threads busy, and fit into memory (some 500 bytes each).
+    /// This many lanes keep all threads busy, and fit into memory (some 500 bytes each).
     static constexpr std::uint32_t kMostLanes = 1u << 21;
     static constexpr std::uint32_t kMostSamples = 64;  // sets_of_sample() takes no more
     static constexpr std::uint32_t kFewestToCoalesce = 4;
@@ -83,10 +89,11 @@ class WavefrontPasses {
     Sampler* sampler_;
     ref<ImageBlock> block_;
     std::uint32_t seed_;
+    const LightTables<Float, Spectrum>& tables_;
+    LaneMemory& memory_;
     std::uint32_t count_ = 1, done_ = 0;
     Vector2f corners_;
     SetPattern pattern_;
-    LaneMemory& memory_;
 };
 
 }  // namespace mitsuba::culling

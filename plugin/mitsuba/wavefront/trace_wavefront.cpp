@@ -1,7 +1,9 @@
-#include "wavefront/wavefront.h"
+#include "wavefront/trace_wavefront.h"
 
 #include "arrays/variants.h"
+#include "paths/mis_weight.h"
 #include "scene/surface_receiver.h"
+#include "scene/triangle_pdf.h"
 #include "wavefront/lane_lights.h"
 #include "wavefront/lane_random.h"
 #include "wavefront/path_states.h"
@@ -11,7 +13,7 @@ namespace {
 
 /// A pass of paths, bounce by bounce. A bounce is two kernels: what the rays meet, and what happens
 /// there; between them the processor chooses lights. Where there is no choice, it is one kernel.
-/// Where lights come in, and depths, roulette and weights, it does what Mitsuba's `path` does.
+/// Where light is added, and in depths, roulette and weights, it does what Mitsuba's `path` does.
 template <typename Float, typename Spectrum>
 class Wavefront {
   public:
@@ -19,20 +21,22 @@ class Wavefront {
 
     using Tables = LightTables<Float, Spectrum>;
 
-    Wavefront(const PathSetup<Float, Spectrum>& setup, Sampler* sampler, const WavefrontPass& pass)
-        : setup_(setup),
-          tables_(*setup.tables),
-          lights_(*setup.tables),
-          selector_(*setup.selector, setup.lights->lights().size(), pass.pattern, pass.memory),
+    Wavefront(const PathContext<Float, Spectrum>& context, Sampler* sampler,
+              const WavefrontPass<Float, Spectrum>& pass)
+        : context_(context),
+          tables_(pass.tables),
+          lights_(pass.tables),
+          selector_(*context.light_sampler, context.lights->lights().size(), pass.pattern,
+                    pass.memory),
           random_(sampler, pass.seed),
           width_(sampler->wavefront_size()) {}
 
     std::pair<Spectrum, Mask> trace(const RayDifferential3f& camera_rays) {
         start(camera_rays);
-        while (dr::width(paths_.path) != 0 && !setup_.integrator->should_stop()) {
+        while (dr::width(paths_.path) != 0 && !context_.integrator->should_stop()) {
             random_.keep(paths_.path, depth_);
             find_hits();
-            const bool is_last = depth_ + 1 >= setup_.max_depth;
+            const bool is_last = depth_ + 1 >= context_.max_depth;
             if (selector_.has_choice()) evaluate_hits(is_last);
             hit_prob_ = selector_.hit_probs(asks_, hit_light_, paths_.origin);
             if (is_last) {
@@ -55,23 +59,23 @@ class Wavefront {
     void start(const RayDifferential3f& camera_rays) {
         result_ = dr::zeros<Spectrum>(width_);
         valid_ = dr::full<Mask>(false, width_);
-        paths_ = dr::zeros<Paths<Float, Spectrum>>(width_);
+        paths_ = dr::zeros<PathStates<Float, Spectrum>>(width_);
         paths_.path = dr::arange<UInt32>(width_);
         paths_.ray = Ray3f(camera_rays);
         paths_.throughput = dr::full<Spectrum>(1.0f, width_);
         paths_.eta = dr::full<Float>(1.0f, width_);
         paths_.bsdf_pdf = dr::full<Float>(1.0f, width_);
-        paths_.valid =
-            dr::full<Mask>(!setup_.hide_emitters && setup_.scene->environment() != nullptr, width_);
-        // As later bounces have it, so that they need no other kernel.
+        paths_.valid = dr::full<Mask>(
+            !context_.hide_emitters && context_.scene->environment() != nullptr, width_);
+        // Later bounces have no literals either, so that they need no other kernel.
         dr::make_opaque(result_, valid_, paths_);
     }
 
-    /// What the rays meet, and all that choosing lights takes.
+    /// Finds what the rays meet, and all that choosing lights takes.
     void find_hits() {
-        const Scene* scene = setup_.scene;
+        const Scene* scene = context_.scene;
         hit_ = scene->ray_intersect_preliminary(paths_.ray, depth_ == 0, false, 0, 0, true);
-        if (setup_.hide_emitters && depth_ == 0) skip_emitters();
+        if (context_.hide_emitters && depth_ == 0) skip_emitters();
         si_ = hit_.compute_surface_interaction(paths_.ray, +RayFlags::All);
         hits_surface_ = si_.is_valid();
         find_emission();
@@ -80,12 +84,12 @@ class Wavefront {
         smooth_ = hits_surface_ && has_flag(flags, BSDFFlags::Smooth);
         if (!selector_.has_choice()) return;
         position_ = si_.p;
-        receiver_ = setup_.has_lobes ? glossy_receiver<Float, Spectrum>(si_, bsdf, flags, smooth_)
-                                     : matte_receiver<Float, Spectrum>(si_, flags);
+        receiver_ = context_.has_lobes ? glossy_receiver<Float, Spectrum>(si_, bsdf, flags, smooth_)
+                                       : matte_receiver<Float, Spectrum>(si_, flags);
         select_random_ = random_.next_1d();
     }
 
-    /// First kernel.
+    /// Runs the first kernel.
     void evaluate_hits(bool is_last) {
         dr::schedule(hit_, emission_, emission_pdf_, hit_light_, asks_, sees_emitter_,
                      hits_surface_);
@@ -95,26 +99,27 @@ class Wavefront {
         }
         dr::eval();
         dr::sync_thread();
-        // To compute it again is cheaper than to keep it.
+        // The interaction is cheaper to compute again than to keep.
         si_ = hit_.compute_surface_interaction(paths_.ray, +RayFlags::All);
     }
 
+    /// Looks behind the emitters that camera rays hit.
     void skip_emitters() {
         const Mask skip = hit_.is_valid() && hit_.shape->emitter() != nullptr;
         const SurfaceInteraction3f si =
             hit_.compute_surface_interaction(paths_.ray, +RayFlags::Minimal, skip);
-        dr::masked(hit_, skip) = setup_.integrator->skip_area_emitters(
-            setup_.scene, si.spawn_ray(paths_.ray.d), true, skip);
+        dr::masked(hit_, skip) = context_.integrator->skip_area_emitters(
+            context_.scene, si.spawn_ray(paths_.ray.d), true, skip);
     }
 
-    /// Of what the rays have hit, or of the environment; not weighted yet, since for that the
-    /// probability of the light is missing.
+    /// Finds the emission of what the rays have hit, or of the environment. It is not weighted yet,
+    /// since the probability of the light is not known.
     void find_emission() {
-        const EmitterPtr emitter = si_.emitter(setup_.scene);
+        const EmitterPtr emitter = si_.emitter(context_.scene);
         const Mask there = emitter != nullptr && paths_.bsdf_pdf > 0.0f;
-        sees_emitter_ = there && !setup_.hide_emitters;
+        sees_emitter_ = there && !context_.hide_emitters;
         emission_ = dr::select(there, paths_.throughput * emitter->eval(si_, there), 0.0f);
-        const DirectionSample3f ds(setup_.scene, si_, paths_.last);
+        const DirectionSample3f ds(context_.scene, si_, paths_.last);
         const Mask weigh = there && paths_.weigh;
         const auto entry = tables_.find(emitter, weigh);
         const Mask triangle = weigh && entry.kind == Tables::kTriangles;
@@ -136,7 +141,7 @@ class Wavefront {
         return emission_ * dr::select(paths_.weigh, weight, 1.0f);
     }
 
-    /// Second kernel: emission, light from the chosen lights, and the next rays.
+    /// Runs the second kernel: emission, light from the chosen lights, and the next rays.
     void shade() {
         paths_.result += weighted_emission();
         paths_.valid |= sees_emitter_ && !hits_surface_;
@@ -150,7 +155,7 @@ class Wavefront {
             add_if_visible(sample, value, pdf);
         }
         auto sample = dr::zeros<LightSample<Float, Spectrum>>();
-        if (!setup_.lights->lights().empty()) {
+        if (!context_.lights->lights().empty()) {
             sample = lights_.sample_chosen(si_, chosen_, random_.next_2d(), smooth_);
         }
         const Float random_1 = random_.next_1d();
@@ -169,10 +174,11 @@ class Wavefront {
         const Spectrum light = paths_.throughput * bsdf_value * sample.weight *
                                dr::select(sample.delta, 1.0f, mis_weight(sample.pdf, bsdf_pdf));
         Mask active = sample.active && smooth_ && dr::any(light != 0.0f);
-        active &= !setup_.scene->ray_test(si_.spawn_ray_to(sample.p), active);
+        active &= !context_.scene->ray_test(si_.spawn_ray_to(sample.p), active);
         dr::masked(paths_.result, active) += light;
     }
 
+    /// Moves the paths on to their next rays, and plays roulette.
     void advance(const BSDFSample3f& next, const Spectrum& weight) {
         paths_.ray = si_.spawn_ray(si_.to_world(next.wo));
         paths_.throughput *= weight;
@@ -185,27 +191,27 @@ class Wavefront {
         const Float largest = dr::max(paths_.throughput);
         going_on_ = hits_surface_ && largest > 0.0f;
         const Float random = random_.next_1d();
-        if (depth_ + 1 < setup_.rr_depth) return;
+        if (depth_ + 1 < context_.rr_depth) return;
         const Float survival = dr::minimum(largest * dr::square(paths_.eta), 0.95f);
         going_on_ &= random < survival;
         paths_.throughput *= dr::rcp(survival);
     }
 
-    /// What the paths have brought, in the order of the whole wavefront.
+    /// Stores what the paths have brought, in the order of the whole wavefront.
     void store() {
         dr::scatter(result_, paths_.result, paths_.path);
         dr::scatter(valid_, paths_.valid, paths_.path);
     }
 
-    /// Leaves out the paths that have ended.
+    /// Drops the paths that have ended.
     void compact() {
         const UInt32 left = dr::compress(going_on_);
-        paths_ = dr::gather<Paths<Float, Spectrum>>(paths_, left);
+        paths_ = dr::gather<PathStates<Float, Spectrum>>(paths_, left);
         paths_.origin = left;
         dr::eval(paths_, result_, valid_);
     }
 
-    const PathSetup<Float, Spectrum>& setup_;
+    const PathContext<Float, Spectrum>& context_;
     const Tables& tables_;
     LaneLights<Float, Spectrum> lights_;
     LaneSelector selector_;
@@ -214,8 +220,8 @@ class Wavefront {
     std::uint32_t depth_ = 0;
     Spectrum result_;
     Mask valid_;
-    Paths<Float, Spectrum> paths_;
-    // Of this bounce.
+    PathStates<Float, Spectrum> paths_;
+    // These are of the bounce under way.
     PreliminaryIntersection3f hit_;
     SurfaceInteraction3f si_;
     Mask hits_surface_, smooth_, sees_emitter_, asks_, going_on_;
@@ -232,17 +238,18 @@ class Wavefront {
 
 template <typename Float, typename Spectrum>
 std::pair<Spectrum, dr::mask_t<Float>> trace_wavefront(
-    const PathSetup<Float, Spectrum>& setup, Sampler<Float, Spectrum>* sampler,
-    const RayDifferential<Point<Float, 3>, Spectrum>& rays, const WavefrontPass& pass) {
+    const PathContext<Float, Spectrum>& context, Sampler<Float, Spectrum>* sampler,
+    const RayDifferential<Point<Float, 3>, Spectrum>& rays,
+    const WavefrontPass<Float, Spectrum>& pass) {
     const dr::suspend_grad<Float> no_derivatives;
-    return Wavefront<Float, Spectrum>(setup, sampler, pass).trace(rays);
+    return Wavefront<Float, Spectrum>(context, sampler, pass).trace(rays);
 }
 
 // NOLINTBEGIN(bugprone-macro-parentheses)
 #define INSTANTIATE(Float, Spectrum)                                                  \
     template std::pair<Spectrum, dr::mask_t<Float>> trace_wavefront<Float, Spectrum>( \
-        const PathSetup<Float, Spectrum>&, Sampler<Float, Spectrum>*,                 \
-        const RayDifferential<Point<Float, 3>, Spectrum>&, const WavefrontPass&);
+        const PathContext<Float, Spectrum>&, Sampler<Float, Spectrum>*,               \
+        const RayDifferential<Point<Float, 3>, Spectrum>&, const WavefrontPass<Float, Spectrum>&);
 LIGHTCULL_LLVM_VARIANTS(INSTANTIATE)
 // NOLINTEND(bugprone-macro-parentheses)
 
