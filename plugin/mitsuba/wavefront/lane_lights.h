@@ -13,7 +13,7 @@ template <typename Float_, typename Spectrum_>
 struct LightSample {
     using Float = Float_;
     using Spectrum = Spectrum_;
-    MI_IMPORT_TYPES()
+    MI_IMPORT_TYPES(Shape)
 
     Point3f p;
     Vector3f direction;
