@@ -1,0 +1,58 @@
+#pragma once
+
+#include <drjit/array.h>
+#include <drjit/dynamic.h>
+#include <drjit/jit.h>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "arrays/host_columns.h"
+
+namespace mitsuba::culling {
+
+namespace dr = drjit;
+
+/// The number as a Float of the variant.
+template <typename Float, typename UInt32>
+Float to_float(const UInt32& value) {
+    if constexpr (dr::is_jit_v<Float>) {
+        return Float(value);
+    } else {
+        return static_cast<Float>(value);
+    }
+}
+
+/// The first `count` elements of a Dr.Jit array, copied; a single element stands for all.
+template <typename T, typename Array>
+std::vector<T> to_host(const Array& array, std::size_t count) {
+    const Column<T> column(array);
+    std::vector<T> elements(count);
+    for (std::size_t i = 0; i < count; ++i) elements[i] = column[i];
+    return elements;
+}
+
+/// The values of value(i) for each i below `count`, where `value` gives N floats. `value` is called
+/// on one array of all i in JIT variants, and once for each i in the others.
+template <std::size_t N, typename Float, typename Value>
+std::array<std::vector<float>, N> evaluate(std::uint32_t count, Value&& value) {
+    using UInt32 = dr::uint32_array_t<Float>;
+    std::array<std::vector<float>, N> result;
+    if constexpr (dr::is_jit_v<Float>) {
+        std::array<Float, N> values = value(dr::arange<UInt32>(count));
+        for (Float& v : values) dr::schedule(v);
+        dr::eval();
+        for (std::size_t k = 0; k < N; ++k) result[k] = to_host<float>(values[k], count);
+    } else {
+        for (auto& column : result) column.resize(count);
+        for (std::uint32_t i = 0; i < count; ++i) {
+            const std::array<Float, N> values = value(UInt32(i));
+            for (std::size_t k = 0; k < N; ++k) result[k][i] = values[k];
+        }
+    }
+    return result;
+}
+
+}  // namespace mitsuba::culling

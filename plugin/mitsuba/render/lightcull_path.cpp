@@ -1,0 +1,290 @@
+#include <mitsuba/core/profiler.h>
+#include <mitsuba/core/util.h>
+#include <mitsuba/render/integrator.h>
+
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "arrays/variants.h"
+#include "paths/path_context.h"
+#include "paths/progress_bar.h"
+#include "render/llvm_render_lock.h"
+#include "render/other_variants.h"
+#include "render/render_task.h"
+#include "sampler/range_sets.h"
+#include "sampler/reusable_sampler.h"
+#include "sampler/sampler_arena.h"
+#include "sampler/sampler_cache.h"
+#include "sampler/sampler_description.h"
+#include "scalar/block_passes.h"
+#include "scalar/trace_path.h"
+#include "scene/calibration_points.h"
+#include "scene/many_shapes_warning.h"
+#include "scene/scene_lights.h"
+#include "scene/surface_receiver.h"
+#include "wavefront/light_tables.h"
+#include "wavefront/trace_wavefront.h"
+#include "wavefront/wavefront_passes.h"
+
+namespace mitsuba::culling {
+namespace {
+
+/// The number of a pass for LightSampler::begin_pass(): other seeds draw other ranges.
+std::uint64_t number_of_pass(std::uint32_t seed, std::uint32_t pass) {
+    return (std::uint64_t{seed} << 32) | pass;
+}
+
+/// The seed as a number; in LLVM variants it is an array of one element.
+template <typename UInt32>
+std::uint32_t to_number(const UInt32& value) {
+    if constexpr (dr::is_jit_v<UInt32>) {
+        return dr::slice(value, 0);
+    } else {
+        return value;
+    }
+}
+
+}  // namespace
+
+/// The integrator `lightcull_path`: Mitsuba's `path`, with light selection by lightcull.
+///
+/// | parameter     | type    | meaning                                            | default   |
+/// |---------------|---------|----------------------------------------------------|-----------|
+/// | max_depth     | integer | longest path, edges: 1 shows emitters alone, 2     | -1        |
+/// |               |         | adds direct light; -1: no limit                    |           |
+/// | rr_depth      | integer | depth from which roulette may end a path, >= 1     | 5         |
+/// | hide_emitters | boolean | the camera sees no emitter directly                | false     |
+/// | block_size    | integer | side of the blocks that threads render, pixels,    | 0         |
+/// |               |         | rounded up to a power of 2; 0: one that suits      |           |
+/// |               |         | the threads. Of use in scalar variants             |           |
+/// | timeout       | number  | seconds after which the render ends with what      | -1        |
+/// |               |         | there is; negative: no limit                       |           |
+/// | light_sampler | string  | how lights are chosen: uniform, power, light_bvh   | culled    |
+/// |               |         | or culled                                          |           |
+/// | error_bound   | number  | error that the ranges of lights allow, > 0:        | auto      |
+/// |               |         | epsilon_max of [TH16] Eq. 7; auto: calibrated on   |           |
+/// |               |         | points of the scene. For culled                    |           |
+/// | sets          | integer | sets of random ranges, a power of 4; by default as | 16 to 256 |
+/// |               |         | many as suit the film and the lights. For culled   |           |
+///
+/// `error_bound` and `sets` throw for a light sampler that has no such option. The parameter
+/// samples_per_pass, which Mitsuba has deprecated, has no effect.
+///
+/// The integrator renders in passes over the whole film, and draws the random ranges of the lights
+/// anew for each: an error that pixels have in common then falls with the number of passes.
+template <typename Float, typename Spectrum>
+class LightcullPath final : public MonteCarloIntegrator<Float, Spectrum> {
+  public:
+    MI_IMPORT_BASE(MonteCarloIntegrator, should_stop, aov_names, render_sample, m_stop,
+                   m_render_timer, m_hide_emitters, m_max_depth, m_rr_depth, m_block_size)
+    MI_IMPORT_TYPES(Scene, Sensor, Film, ImageBlock, Medium, Sampler)
+
+    explicit LightcullPath(const Properties& properties)
+        : Base(properties), description_(sampler_description(properties)) {
+        // A wrong description is reported here, before there are lights.
+        ReusableSampler({description_, {}, {}, 0});
+    }
+
+    TensorXf render(Scene* scene, Sensor* sensor, UInt32 seed, std::uint32_t spp, bool develop,
+                    bool evaluate) override {
+        ScopedPhase phase(ProfilerPhase::Render);
+        m_stop = false;
+        const auto lock = lock_llvm_render<Float>();
+        m_render_timer.reset();
+        if (spp != 0) sensor->sampler()->set_sample_count(spp);
+        if constexpr (dr::is_jit_v<Float>) warn_of_many_shapes(scene);
+
+        const SceneLights<Float, Spectrum> lights(scene);
+        const ScalarVector2u size = sampled_size(sensor->film());
+        std::unique_ptr<ReusableSampler> reusable = take_light_sampler(scene, sensor, lights, size);
+        const Job job{{this, scene, &lights, &reusable->sampler(), m_max_depth, m_rr_depth,
+                       m_hide_emitters, has_glossy_surfaces(scene)},
+                      reusable->sampler(),
+                      sensor,
+                      size,
+                      sensor->film()->prepare(aov_names()),
+                      to_number(seed),
+                      sensor->sampler()->sample_count()};
+        Log(Info, "Starting render job (%ux%u, %u sample%s, %u lights by %s)", size.x(), size.y(),
+            job.spp, job.spp == 1 ? "" : "s", lights.lights().size(), description_);
+        if constexpr (dr::is_jit_v<Float>) {
+            render_wavefronts(job);
+        } else {
+            render_blocks(job);
+        }
+        cache_.keep(std::move(reusable));
+        TensorXf image = finish(sensor->film(), develop, evaluate);
+        if (!m_stop) {
+            Log(Info, "Rendering finished. (took %s)",
+                util::time_string(static_cast<float>(m_render_timer.value()), true));
+        }
+        return image;
+    }
+
+    /// Serves render() alone. It throws elsewhere, as from within another integrator, since nobody
+    /// would redraw the ranges there.
+    std::pair<Spectrum, Mask> sample(const Scene*, Sampler* sampler, const RayDifferential3f& ray,
+                                     const Medium*, Float*, Mask active) const override {
+        DRJIT_MARK_USED(active);
+        const auto* task = RenderTask<Float, Spectrum>::current();
+        if (!task || task->context.integrator != this) {
+            Throw("lightcull_path must be the scene's own integrator, not one within another");
+        }
+        if constexpr (dr::is_jit_v<Float>) {
+            return trace_wavefront(task->context, sampler, ray, task->part.pass());
+        } else {
+            return trace_path(task->context, sampler, ray, task->part);
+        }
+    }
+
+    TensorXf render_forward(Scene*, void*, Sensor*, UInt32, std::uint32_t) override {
+        refuse_derivatives();
+    }
+    void render_backward(Scene*, void*, const TensorXf&, Sensor*, UInt32, std::uint32_t) override {
+        refuse_derivatives();
+    }
+
+    std::string to_string() const override {
+        return tfm::format(
+            "LightcullPath[\n  max_depth = %u,\n  rr_depth = %u,\n"
+            "  light_sampler = %s\n]",
+            m_max_depth, m_rr_depth, description_);
+    }
+
+    MI_DECLARE_CLASS(LightcullPath)
+
+  private:
+    /// What a render under way is about.
+    struct Job {
+        PathContext<Float, Spectrum> context;
+        ::lightcull::LightSampler& light_sampler;
+        Sensor* sensor;
+        ScalarVector2u size;  ///< pixels that get samples, with those of the border
+        std::size_t channels;
+        std::uint32_t seed, spp;
+    };
+
+    [[noreturn]] static void refuse_derivatives() {
+        Throw("lightcull_path has no derivatives; for gradients, render with Mitsuba's prb");
+    }
+
+    /// The size of what gets samples, with the border (pixels).
+    static ScalarVector2u sampled_size(const Film* film) {
+        ScalarVector2u size = film->crop_size();
+        if (film->sample_border()) size += 2 * film->rfilter()->border_size();
+        return size;
+    }
+
+    /// The light sampler of the last render if it was made from the same, else a new one.
+    std::unique_ptr<ReusableSampler> take_light_sampler(const Scene* scene, const Sensor* sensor,
+                                                        const SceneLights<Float, Spectrum>& lights,
+                                                        const ScalarVector2u& size) {
+        SamplerInput input{description_, lights.lights(),
+                           calibration_points<Float, Spectrum>(scene, sensor), size.x() * size.y()};
+        std::unique_ptr<ReusableSampler> reusable = cache_.take();
+        if (reusable && reusable->is_made_from(input)) {
+            Log(Info, "The light sampler of the last render serves again");
+            return reusable;
+        }
+        in_sampler_arena([&] { reusable = std::make_unique<ReusableSampler>(std::move(input)); });
+        return reusable;
+    }
+
+    void render_blocks(const Job& job) {
+        if constexpr (!dr::is_jit_v<Float>) {
+            using Passes = BlockPasses<Float, Spectrum>;
+            const std::uint32_t range_sets = job.light_sampler.set_count();
+            Passes passes(job.sensor, job.size, job.channels, m_block_size, job.seed, job.spp,
+                          range_sets);
+            const float differential_scale = dr::rsqrt(static_cast<float>(job.spp));
+            for (std::uint32_t pass = 0; pass < passes.count() && !should_stop(); ++pass) {
+                in_sampler_arena(
+                    [&] { job.light_sampler.begin_pass(number_of_pass(job.seed, pass)); });
+                passes.run(
+                    pass,
+                    [&](const typename Passes::Pixel& pixel, Sampler* sampler, ImageBlock* block,
+                        Float* channels) {
+                        const PathSets sets =
+                            sets_of_sample(pixel.x, pixel.y, pixel.sample, range_sets);
+                        const RenderTask<Float, Spectrum> task(job.context, sets);
+                        render_sample(job.context.scene, job.sensor, sampler, block, channels,
+                                      pixel.corner, differential_scale);
+                    },
+                    [&] { return should_stop(); });
+            }
+        }
+    }
+
+    void render_wavefronts(const Job& job) {
+        if constexpr (dr::is_jit_v<Float>) {
+            const dr::suspend_grad<Float> no_derivatives;
+            const LightTables<Float, Spectrum> tables(job.context.scene, *job.context.lights);
+            WavefrontPasses<Float, Spectrum> passes(job.sensor, job.size, job.seed, job.spp,
+                                                    job.light_sampler.set_count(), tables, memory_);
+            const RenderTask<Float, Spectrum> task(job.context, passes);
+            const float differential_scale = dr::rsqrt(static_cast<float>(job.spp));
+            const std::unique_ptr<Float[]> channels(new Float[job.channels]);
+            ProgressBar progress(passes.count());
+            for (std::uint32_t pass = 0; pass < passes.count() && !should_stop(); ++pass) {
+                in_sampler_arena([&] {
+                    job.light_sampler.begin_pass(number_of_pass(job.seed, pass));
+                    render_sample(job.context.scene, job.sensor, passes.sampler(), passes.block(),
+                                  channels.get(), passes.corners(), differential_scale);
+                });
+                passes.advance();
+                progress.step();
+            }
+            passes.finish();
+        } else {
+            DRJIT_MARK_USED(job);
+        }
+    }
+
+    /// The film's image if it is to be developed.
+    TensorXf finish(Film* film, bool develop, bool evaluate) const {
+        TensorXf image;
+        if (develop) image = film->develop();
+        if constexpr (dr::is_jit_v<Float>) {
+            if (develop) {
+                dr::schedule(image);
+            } else {
+                film->schedule_storage();
+            }
+            if (evaluate) {
+                dr::eval();
+                dr::sync_thread();
+            }
+        } else {
+            DRJIT_MARK_USED(film);
+            DRJIT_MARK_USED(evaluate);
+        }
+        return image;
+    }
+
+    std::string description_;
+    SamplerCache cache_;
+    LaneMemory memory_;  // of the render that holds the lock
+};
+
+namespace {
+
+template <typename Float, typename Spectrum>
+void register_variant(std::string_view name, PluginRegisterFn register_plugin) {
+    using Plugin = LightcullPath<Float, Spectrum>;
+    register_plugin(
+        name, Plugin::Variant, ObjectType::Integrator,
+        [](void*, const Properties& properties) -> ref<Object> { return new Plugin(properties); });
+}
+
+}  // namespace
+}  // namespace mitsuba::culling
+
+extern "C" MI_EXPORT void init_plugin(std::string_view name,
+                                      mitsuba::PluginRegisterFn register_plugin) {
+    using namespace mitsuba::culling;
+#define REGISTER(Float, Spectrum) register_variant<Float, Spectrum>(name, register_plugin);
+    LIGHTCULL_VARIANTS(REGISTER)
+#undef REGISTER
+    register_refusals(name, register_plugin);
+}

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <type_traits>
+#include <utility>
+
+#include "paths/path_context.h"
+#include "sampler/range_sets.h"
+#include "wavefront/wavefront_passes.h"
+
+namespace mitsuba::culling {
+
+/// A task says what Integrator::sample() is to do, as far as its parameters do not. The thread that
+/// calls sample() makes one, which holds for as long as it lives.
+template <typename Float, typename Spectrum>
+class RenderTask {
+  public:
+    /// The part of the render to trace: in scalar variants one path, named by its sets of ranges;
+    /// in LLVM variants the next of the passes.
+    using Part =
+        std::conditional_t<dr::is_jit_v<Float>, WavefrontPasses<Float, Spectrum>, const PathSets>;
+
+    RenderTask(const PathContext<Float, Spectrum>& context, Part& part)
+        : context(context), part(part), previous_(std::exchange(current_, this)) {}
+    ~RenderTask() { current_ = previous_; }
+    RenderTask(const RenderTask&) = delete;
+    RenderTask& operator=(const RenderTask&) = delete;
+
+    /// The task of the calling thread; null if it has none.
+    static const RenderTask* current() { return current_; }
+
+    const PathContext<Float, Spectrum>& context;
+    Part& part;
+
+  private:
+    const RenderTask* previous_;
+    static thread_local const RenderTask* current_;
+};
+template <typename Float, typename Spectrum>
+thread_local const RenderTask<Float, Spectrum>* RenderTask<Float, Spectrum>::current_ = nullptr;
+
+}  // namespace mitsuba::culling

@@ -1,0 +1,15 @@
+#include "sampler/reusable_sampler.h"
+
+#include <lightcull/samplers.h>
+
+#include <utility>
+
+namespace mitsuba::culling {
+
+ReusableSampler::ReusableSampler(SamplerInput input)
+    : input_(std::move(input)),
+      sampler_(::lightcull::make_sampler(input_.description, input_.lights,
+                                         {input_.points, input_.points_per_pass})) {
+}
+
+}  // namespace mitsuba::culling

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <lightcull/light_sampler.h>
+
+#include <memory>
+
+#include "sampler/sampler_input.h"
+
+namespace mitsuba::culling {
+
+/// A light sampler, and what it was made from: it serves every scene whose lights are the same,
+/// seen from the same place, however that came about.
+class ReusableSampler {
+  public:
+    /// Runs in the caller's TBB arena. Throws lightcull::Error for what it cannot be made from.
+    explicit ReusableSampler(SamplerInput input);
+
+    bool is_made_from(const SamplerInput& input) const { return input_ == input; }
+    ::lightcull::LightSampler& sampler() const { return *sampler_; }
+
+  private:
+    SamplerInput input_;
+    std::unique_ptr<::lightcull::LightSampler> sampler_;
+};
+
+}  // namespace mitsuba::culling

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <mitsuba/render/mesh.h>
+
+namespace mitsuba::culling {
+
+/// The interaction with a triangle of a mesh at prim_uv, as if a ray had hit it there. The caller
+/// sets its direction, time and wavelengths.
+template <typename Float, typename Spectrum>
+SurfaceInteraction<Float, Spectrum> triangle_point(const Mesh<Float, Spectrum>* mesh,
+                                                   const dr::uint32_array_t<Float>& triangle,
+                                                   const Point<Float, 2>& prim_uv) {
+    using SurfaceInteraction3f = SurfaceInteraction<Float, Spectrum>;
+    using Shape3f = Shape<Float, Spectrum>;
+    auto hit = dr::zeros<PreliminaryIntersection<Float, Shape3f>>(dr::width(triangle));
+    hit.t = 0.0f;
+    hit.prim_index = triangle;
+    hit.prim_uv = prim_uv;
+    const auto ray = dr::zeros<Ray<Point<Float, 3>, Spectrum>>(dr::width(triangle));
+    SurfaceInteraction3f si = mesh->compute_surface_interaction(ray, hit, +RayFlags::All, 0, true);
+    si.finalize_surface_interaction(hit, ray, +RayFlags::All, true);
+    return si;
+}
+
+}  // namespace mitsuba::culling

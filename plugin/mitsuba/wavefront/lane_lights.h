@@ -1,0 +1,113 @@
+#pragma once
+
+#include <mitsuba/core/warp.h>
+
+#include "scene/triangle_pdf.h"
+#include "wavefront/lane_selector.h"
+#include "wavefront/light_tables.h"
+
+namespace mitsuba::culling {
+
+/// A point on a light, or a direction to it, for each lane.
+template <typename Float_, typename Spectrum_>
+struct LightSample {
+    using Float = Float_;
+    using Spectrum = Spectrum_;
+    MI_IMPORT_TYPES(Shape)
+
+    Point3f p;
+    Vector3f direction;
+    Spectrum weight;  ///< radiance divided by the density of the sample
+    Float pdf;        ///< the density that stands for it in weights
+    Mask delta, active;
+
+    // NOLINTNEXTLINE(performance-noexcept-move-constructor)
+    DRJIT_STRUCT(LightSample, p, direction, weight, pdf, delta, active)
+};
+
+/// Samples points on the lights of a scene, for all lanes at once.
+template <typename Float, typename Spectrum>
+class LaneLights {
+  public:
+    MI_IMPORT_TYPES(Scene, Emitter, EmitterPtr, Shape, ShapePtr)
+
+    using Sample = LightSample<Float, Spectrum>;
+    using Tables = LightTables<Float, Spectrum>;
+
+    explicit LaneLights(const LightTables<Float, Spectrum>& tables) : tables_(tables) {}
+
+    /// Samples the lights that were chosen.
+    Sample sample_chosen(const SurfaceInteraction3f& si, const LaneSelector::Chosen& chosen,
+                         const Point2f& random, const Mask& active) const {
+        const Mask found = active && chosen.prob > 0.0f;
+        const EmitterPtr emitter = tables_.emitter(chosen.light, found);
+        if (!tables_.has_triangles()) {
+            return sample_whole(si, emitter, random, chosen.prob, chosen.mis_prob, found);
+        }
+        const UInt32 triangle = tables_.triangle(chosen.light, found);
+        if (!tables_.has_wholes()) {
+            return sample_triangle(si, emitter, triangle, chosen, random, found);
+        }
+        const Mask is_triangle = triangle != Tables::kNoTriangle;
+        const Mask whole = found && !is_triangle;
+        return dr::select(
+            whole, sample_whole(si, emitter, random, chosen.prob, chosen.mis_prob, whole),
+            sample_triangle(si, emitter, triangle, chosen, random, found && is_triangle));
+    }
+
+    /// Samples one of the emitters without a place.
+    Sample sample_unplaced(const SurfaceInteraction3f& si, const Float& random_1,
+                           const Point2f& random_2, const Mask& active) const {
+        const auto [emitter, prob] = tables_.unplaced(random_1);
+        return sample_whole(si, emitter, random_2, prob, prob, active);
+    }
+
+  private:
+    Sample sample_triangle(const SurfaceInteraction3f& si, const EmitterPtr& emitter,
+                           const UInt32& triangle, const LaneSelector::Chosen& chosen,
+                           const Point2f& random, const Mask& active) const {
+        const Point2f uv = warp::square_to_uniform_triangle(random);
+        Sample sample;
+        sample.p = tables_.corner(0, chosen.light, active) * (1.0f - uv.x() - uv.y()) +
+                   tables_.corner(1, chosen.light, active) * uv.x() +
+                   tables_.corner(2, chosen.light, active) * uv.y();
+        const Vector3f way = sample.p - si.p;
+        const Float distance = dr::norm(way);
+        sample.direction = way / distance;
+
+        auto hit = dr::zeros<PreliminaryIntersection3f>();
+        hit.t = distance;
+        hit.prim_uv = uv;
+        hit.prim_index = triangle;
+        hit.shape = dr::select(active, emitter->shape(), dr::zeros<ShapePtr>());
+        const Ray3f ray(si.p, sample.direction, si.time, si.wavelengths);
+        const SurfaceInteraction3f at =
+            hit.compute_surface_interaction(ray, +RayFlags::All, active);
+        const Float pdf =
+            triangle_pdf(tables_.area(chosen.light, active), at.n, sample.direction, distance);
+        sample.active = active && dr::isfinite(pdf);
+        sample.weight = emitter->eval(at, sample.active) / (chosen.prob * pdf);
+        sample.pdf = chosen.mis_prob * pdf;
+        sample.delta = false;
+        return sample;
+    }
+
+    /// Samples emitters as Mitsuba does.
+    Sample sample_whole(const SurfaceInteraction3f& si, const EmitterPtr& emitter,
+                        const Point2f& random, const Float& select_prob, const Float& mis_prob,
+                        const Mask& active) const {
+        const auto [ds, weight] = emitter->sample_direction(si, random, active);
+        Sample sample;
+        sample.p = ds.p;
+        sample.direction = ds.d;
+        sample.weight = weight / select_prob;
+        sample.pdf = mis_prob * ds.pdf;
+        sample.delta = ds.delta;
+        sample.active = active && ds.pdf > 0.0f;
+        return sample;
+    }
+
+    const Tables& tables_;
+};
+
+}  // namespace mitsuba::culling

@@ -1,0 +1,99 @@
+#pragma once
+
+#include <lightcull/light_sampler.h>
+
+#include <mitsuba/core/random.h>
+#include <mitsuba/render/film.h>
+#include <mitsuba/render/imageblock.h>
+#include <mitsuba/render/sampler.h>
+#include <mitsuba/render/sensor.h>
+
+#include <algorithm>
+#include <cstdint>
+
+#include "sampler/range_sets.h"
+#include "wavefront/trace_wavefront.h"
+
+namespace mitsuba::culling {
+
+/// The passes of a render in LLVM variants: each takes some samples for every pixel, as one
+/// wavefront.
+template <typename Float, typename Spectrum>
+class WavefrontPasses {
+  public:
+    MI_IMPORT_TYPES(Sensor, Film, ImageBlock, Sampler)
+
+    /// `size` is in pixels, with the border; `range_sets` is the set_count() of the light sampler.
+    WavefrontPasses(Sensor* sensor, const ScalarVector2u& size, std::uint32_t seed,
+                    std::uint32_t spp, std::uint32_t range_sets,
+                    const LightTables<Float, Spectrum>& tables, LaneMemory& memory)
+        : film_(sensor->film()),
+          sampler_(sensor->sampler()),
+          block_(film_->create_block()),
+          seed_(seed),
+          tables_(tables),
+          memory_(memory) {
+        const std::uint32_t pixels = dr::prod(size);
+        const std::uint32_t samples =
+            samples_per_pass(std::min(kMostLanes / pixels, kMostSamples), spp, range_sets);
+        const std::uint32_t lanes = pixels * samples;
+        count_ = spp / samples;
+        sampler_->set_samples_per_wavefront(samples);
+        sampler_->seed(seed, lanes);
+        block_->set_offset(film_->crop_offset());
+        block_->set_coalesce(block_->coalesce() && samples >= kFewestToCoalesce);
+        place(size, samples, lanes);
+        pattern_ = {size.x(), samples, range_sets};
+    }
+
+    std::uint32_t count() const { return count_; }
+    /// The pass to be rendered next.
+    WavefrontPass<Float, Spectrum> pass() {
+        return {tables_, pattern_, memory_, sample_tea_32(seed_, done_).first};
+    }
+    Sampler* sampler() const { return sampler_; }
+    ImageBlock* block() const { return const_cast<ImageBlock*>(block_.get()); }
+    /// The corner of each lane's pixel on the film.
+    const Vector2f& corners() const { return corners_; }
+
+    /// Goes on to the next pass; call it after each.
+    void advance() {
+        ++done_;
+        sampler_->advance();
+        sampler_->schedule_state();
+        dr::eval(block_->tensor());
+        dr::sync_thread();  // kernels read memory_
+    }
+
+    /// Puts the image on the film; call it after the last pass.
+    void finish() { film_->put_block(block_); }
+
+  private:
+    /// This many lanes keep all threads busy, and fit into memory (some 500 bytes each).
+    static constexpr std::uint32_t kMostLanes = 1u << 21;
+    static constexpr std::uint32_t kMostSamples = 64;  // sets_of_sample() takes no more
+    static constexpr std::uint32_t kFewestToCoalesce = 4;
+
+    void place(const ScalarVector2u& size, std::uint32_t samples, std::uint32_t lanes) {
+        const UInt32 pixel = dr::arange<UInt32>(lanes) / dr::opaque<UInt32>(samples);
+        Vector2i place;
+        place.y() = Int32(pixel / size.x());
+        place.x() = Int32(pixel) - place.y() * Int32(size.x());
+        if (film_->sample_border()) place -= Int32(film_->rfilter()->border_size());
+        place += Vector2i(film_->crop_offset());
+        corners_ = Vector2f(place);
+        dr::eval(corners_);
+    }
+
+    Film* film_;
+    Sampler* sampler_;
+    ref<ImageBlock> block_;
+    std::uint32_t seed_;
+    const LightTables<Float, Spectrum>& tables_;
+    LaneMemory& memory_;
+    std::uint32_t count_ = 1, done_ = 0;
+    Vector2f corners_;
+    SetPattern pattern_;
+};
+
+}  // namespace mitsuba::culling
