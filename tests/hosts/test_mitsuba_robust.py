@@ -132,7 +132,9 @@ def _messages(error: BaseException | None) -> str:
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        ({"light_sampler": "best"}, "there are uniform, power, light_bvh, culled"),
+        ({"light_sampler": "best"}, "there are uniform, power, light_bvh"),
+        ({"light_sampler": "culled:sets=5"}, "power of 4"),
+        ({"light_sampler": "paper"}, "wanted test=light"),
         ({"error_bound": "much"}, 'wanted a number or "auto"'),
         ({"error_bound": -1.0}, "above 0"),
         ({"sets": 5}, "power of 4"),

@@ -8,9 +8,9 @@ Importing this makes the plugin known to Mitsuba, in whichever variants are set 
 >>> scene = mi.load_dict(mi.cornell_box() | {"integrator": {"type": "lightcull_path"}})
 >>> image = mi.render(scene, spp=64)
 
-`lightcull_path` takes the parameters of Mitsuba's `path`, and these: light_sampler (uniform, power,
-light_bvh or culled; default: culled), error_bound (a number or "auto") and sets (a power of 4),
-both of culled. It renders in scalar_rgb, scalar_spectral, llvm_ad_rgb and llvm_ad_spectral, without
+`lightcull_path` takes the parameters of Mitsuba's `path`, and these: light_sampler (a description
+as `lightcull.LightSampler` takes it; default: culled), error_bound (a number or "auto") and sets (a
+power of 4), which are added to it. It renders in scalar_rgb, scalar_spectral, llvm_ad_rgb and llvm_ad_spectral, without
 derivatives. An integrator keeps its light sampler from one render to the next, for as long as the
 lights are the same and the camera sees the same. Any thread may render; in LLVM variants, renders
 that are called at once take turns. `import_scene` takes a Mitsuba scene to lightcull's own renderer.

@@ -88,13 +88,9 @@ class MitsubaScene:
             raise Error(f"{self.name}: its film cannot be made {size[0]}x{size[1]}")
 
     def _integrator(self, description: str, max_depth: int) -> Any:
-        name, *options = description.split(":")
         properties: dict[str, Any] = {"type": PATH}
-        if name != PATH:
-            properties = {"type": "lightcull_path", "light_sampler": name}
-        for option in options:
-            key, _, value = option.partition("=")
-            properties[key] = _number_or_text(value)
+        if description != PATH:
+            properties = {"type": "lightcull_path", "light_sampler": description}
         try:
             return mitsuba().load_dict(properties | {"max_depth": max_depth})
         except RuntimeError as error:

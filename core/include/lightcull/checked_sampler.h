@@ -20,7 +20,8 @@ using FaultHandler = std::function<void(const std::string& fault)>;
 /// does not reach the sampler. Without a handler the fault is printed to the standard error, and
 /// the process aborted. What is right is answered by the sampler, to the bit.
 ///
-/// light_count: of the lights that the sampler was made over. Throws Error where `sampler` is null.
+/// light_count: of the lights that the sampler was made over. It has no SamplerInfo. Throws Error
+/// where `sampler` is null, or one that decides at the vertex (VertexCulling).
 std::unique_ptr<LightSampler> make_checked_sampler(std::unique_ptr<LightSampler> sampler,
                                                    std::size_t light_count,
                                                    FaultHandler on_fault = {});

@@ -11,11 +11,10 @@ namespace lightcull {
 /// that draw, spread evenly. A pass of more is several draws of 256 rotations each, independent of
 /// one another: it is as good as that many passes.
 ///
-/// | host                                     | sets                     | set of a point    |
-/// |------------------------------------------|--------------------------|-------------------|
-/// | a pass for each sample of the image      | 16 to 256                | set_of_pixel(), later
-/// bounces set_of_packet() | | one pass for all samples, or one a tile  | as many as there may be
-/// | set_of_sample()   |
+/// A host that begins a pass for each sample of the image wants 16 to 256 sets; the set of a camera
+/// point is set_of_pixel(), that of later bounces set_of_packet(). One that selects all its samples
+/// from one pass, or from one for each tile, wants as many sets as there may be; the set of a point
+/// is set_of_sample().
 
 /// The set for camera points of pixel (x, y): its place in a square pattern of `set_count` pixels,
 /// which neighbours never share. set_count is a power of 4. For hosts that begin a pass for each

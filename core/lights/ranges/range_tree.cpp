@@ -30,9 +30,9 @@ RangeTree::RangeTree(const RangeTree& other, std::uint64_t pass)
 }
 
 void RangeTree::begin_pass(std::uint64_t pass) {
-    ranges_.begin_pass(pass);
     const std::uint32_t sets = ranges_.set_count(), together = std::min(sets, Refit::kMaxSets);
-    std::vector<float> around(tree().nodes.size() * together);
+    std::vector<float> around(tree().nodes.size() * together);  // before anything is changed
+    ranges_.begin_pass(pass);
     for (std::uint32_t set = 0; set < sets; set += together) refit(set, together, around.data());
 }
 

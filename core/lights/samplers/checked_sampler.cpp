@@ -1,6 +1,6 @@
 #include <lightcull/checked_sampler.h>
 #include <lightcull/error.h>
-#include <lightcull/sampler_info.h>
+#include <lightcull/samplers.h>
 
 #include <cmath>
 #include <cstdio>
@@ -169,6 +169,9 @@ class CheckedSampler final : public LightSampler {
 std::unique_ptr<LightSampler> make_checked_sampler(std::unique_ptr<LightSampler> sampler,
                                                    std::size_t light_count, FaultHandler on_fault) {
     if (sampler == nullptr) throw Error("checked sampler: there is no sampler");
+    if (vertex_culling(*sampler) != nullptr) {
+        throw Error("checked sampler: paper with its test at the vertex is not for hosts to check");
+    }
     if (!on_fault) on_fault = abort_for;
     auto checks = std::make_shared<const Checks>(Checks{light_count, std::move(on_fault)});
     return std::make_unique<CheckedSampler>(std::move(sampler), std::move(checks));

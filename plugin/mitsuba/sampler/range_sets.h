@@ -1,6 +1,6 @@
 #pragma once
 
-#include <lightcull/light_sampler.h>
+#include <lightcull/sets.h>
 
 #include <algorithm>
 #include <cstdint>

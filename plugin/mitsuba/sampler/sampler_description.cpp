@@ -1,13 +1,14 @@
 #include "sampler/sampler_description.h"
 
+#include <lightcull/error.h>
+#include <lightcull/samplers.h>
+
 #include <array>
 #include <charconv>
-#include <string_view>
+#include <variant>
 
 namespace mitsuba::culling {
 namespace {
-
-constexpr std::array<std::string_view, 4> kSamplers{"uniform", "power", "light_bvh", "culled"};
 
 /// The shortest digits that give the number back.
 std::string digits(double number) {
@@ -27,21 +28,33 @@ std::string error_bound(const Properties& properties) {
     return digits(properties.get<double>(kName));
 }
 
+/// Throws for what make_sampler() would refuse, and for a sampler that this integrator is no host
+/// for.
+void check(const std::string& description) {
+    try {
+        const ::lightcull::SamplerSpec spec = ::lightcull::parse_sampler(description);
+        const auto* paper = std::get_if<::lightcull::PaperOptions>(&spec);
+        if (paper != nullptr && paper->range_at_vertex) {
+            Throw(
+                "lightcull_path: light_sampler \"%s\" tests ranges at vertices, wanted test=light",
+                description);
+        }
+    } catch (const ::lightcull::Error& error) {
+        Throw("lightcull_path: %s", error.what());
+    }
+}
+
 }  // namespace
 
 std::string sampler_description(const Properties& properties) {
     auto description = properties.get<std::string>("light_sampler", "culled");
-    if (std::find(kSamplers.begin(), kSamplers.end(), description) == kSamplers.end()) {
-        Throw(
-            "lightcull_path: no light_sampler \"%s\"; there are uniform, power, light_bvh, culled",
-            description);
-    }
     if (properties.has_property("error_bound")) {
         description += ":error_bound=" + error_bound(properties);
     }
     if (properties.has_property("sets")) {
         description += ":sets=" + std::to_string(properties.get<int64_t>("sets"));
     }
+    check(description);
     return description;
 }
 

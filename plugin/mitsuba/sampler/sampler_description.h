@@ -7,9 +7,9 @@
 namespace mitsuba::culling {
 
 /// The description of the light sampler, as lightcull::make_sampler() takes it, from the
-/// integrator's parameters `light_sampler` (uniform, power, light_bvh or culled; culled unless
-/// given), `error_bound` (a number or "auto") and `sets` (a whole number). Throws for another name
-/// or type.
+/// integrator's parameters `light_sampler` (a description; culled unless given), `error_bound` (a
+/// number or "auto") and `sets` (a whole number), which are added to it. Throws for what
+/// make_sampler() would refuse, and for `paper` with its test at the vertex.
 std::string sampler_description(const Properties& properties);
 
 }  // namespace mitsuba::culling

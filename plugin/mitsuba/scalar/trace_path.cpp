@@ -136,8 +136,7 @@ class ScalarPath {
     void add_light(const BSDF* bsdf) {
         if (!(selection_.prob > 0.0f)) return;
         const auto& source = context_.lights->source_of(selection_.light);
-        const Float mis_prob =
-            context_.light_sampler->prob_is_proxy() ? prob(selection_.light) : selection_.prob;
+        const Float mis_prob = selection_.mis_prob;
         if (source.mesh) {
             add_triangle(bsdf, source, mis_prob);
         } else {

@@ -49,16 +49,12 @@ void LaneSelector::spread(const Column<std::uint32_t>& lanes, std::size_t count)
     memory_.lights.assign(count, 0);
     memory_.probs.assign(count, 0.0f);
     memory_.mis_probs.assign(count, 0.0f);
-    const bool proxy = sampler_.prob_is_proxy();
     for_each_lane(lanes.size(), [&](std::size_t k) {
         const std::uint32_t i = lanes[k];
         const Selection& chosen = memory_.choices.selections[k];
         memory_.lights[i] = chosen.light;
-        memory_.probs[i] = memory_.mis_probs[i] = chosen.prob;
-        if (proxy && chosen.prob > 0.0f) {
-            memory_.mis_probs[i] =
-                sampler_.prob(memory_.choices.points[k], chosen.receipt, chosen.light);
-        }
+        memory_.probs[i] = chosen.prob;
+        memory_.mis_probs[i] = chosen.mis_prob;
     });
 }
 

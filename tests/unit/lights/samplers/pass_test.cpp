@@ -1,5 +1,6 @@
 #include <doctest/doctest.h>
 #include <lightcull/checked_sampler.h>
+#include <lightcull/error.h>
 #include <lightcull/samplers.h>
 #include <lightcull/sets.h>
 
@@ -220,4 +221,6 @@ TEST_CASE("a checked sampler answers what is right to the bit, and names what is
     Selection one[1];
     checked->select({&good, 1}, {}, one);
     CHECK(fault == "select(): there are 1 points, 0 u and room for 1 selections");
+    CHECK_THROWS_AS(make_checked_sampler(nullptr, 1), Error);
+    CHECK_THROWS_AS(make_checked_sampler(make_sampler("paper", lights), lights.size()), Error);
 }
