@@ -37,6 +37,10 @@ class VulkanLightSampler : public LightSampler, public SamplerInfo {
         return cpu_->pass(number);
     }
 
+    LightUpdate update(Span<const Light>, float) override {
+        throw Error("Vulkan: a device keeps its lights, so that changed ones want another sampler");
+    }
+
     Selection select(const ShadingPoint& point, float u) const noexcept override {
         return cpu_->select(point, u);
     }

@@ -54,6 +54,9 @@ class SkewedSampler final : public LightSampler {
     std::unique_ptr<const LightSelector> pass(std::uint64_t number) const override {
         return inner_->pass(number);
     }
+    LightUpdate update(Span<const Light> lights, float max_growth) override {
+        return inner_->update(lights, max_growth);
+    }
     Selection select(const ShadingPoint& point, float u) const noexcept override {
         return inner_->select(point, u);
     }

@@ -13,7 +13,7 @@ namespace lightcull {
 /// | light                | axis      | cos_theta_o | cos_theta_e |
 /// |----------------------|-----------|-------------|-------------|
 /// | flat, one-sided      | normal    | 1           | 0           |
-/// | point, sphere        | any       | -1          | 0           |
+/// | point, sphere, tube  | any       | -1          | 0           |
 /// | spot                 | direction | cos(inner)  | cos(outer - inner) |
 /// | glossy point         | direction | -1          | 0           |
 struct Light {
@@ -33,6 +33,20 @@ struct Light {
 /// which a, b, c (metres) run anticlockwise, or on both. A triangle without area gives a light of
 /// intensity 0.
 Light triangle_light(float3 a, float3 b, float3 c, float radiance, bool two_sided = false) noexcept;
+
+/// A sphere that emits `radiance` (luminance, W/(m^2 sr)) from all of its outside. center, radius:
+/// metres.
+Light sphere_light(float3 center, float radius, float radiance) noexcept;
+
+/// A disc that emits `radiance` (luminance, W/(m^2 sr)) on the side of `normal` (any length but 0),
+/// or on both. center, radius: metres.
+Light disc_light(float3 center, float3 normal, float radius, float radiance,
+                 bool two_sided = false) noexcept;
+
+/// A tube from a to b (metres) that emits `radiance` (luminance, W/(m^2 sr)) from its side, but not
+/// from its ends. It counts as shining everywhere as it does across its axis; one that is long
+/// beside its distance to what it lights is better cut into several.
+Light cylinder_light(float3 a, float3 b, float radius, float radiance) noexcept;
 
 /// A point that emits `intensity` (luminance, W/sr) in all directions.
 Light point_light(float3 position, float intensity) noexcept;

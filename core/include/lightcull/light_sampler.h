@@ -1,6 +1,7 @@
 #pragma once
 
 #include <lightcull/float3.h>
+#include <lightcull/light.h>
 #include <lightcull/span.h>
 
 #include <cassert>
@@ -101,6 +102,13 @@ class LightSelector {
     virtual std::uint32_t set_count() const noexcept { return 1; }
 };
 
+/// What LightSampler::update() did.
+struct LightUpdate {
+    bool rebuilt = false;  ///< whether the tree was built anew
+    float growth = 1.0f;   ///< how loose the tree had become before that, relative to when it was
+                           ///< last built: 1 is as tight
+};
+
 /// Picks, for a shading point, one light out of many, and says with what probability it did.
 ///
 /// A host that renders whole images calls begin_pass() before each sample per pixel, and selects
@@ -108,8 +116,8 @@ class LightSelector {
 /// or frame, any number at once, which begin_pass() leaves alone. One whose samples are spread
 /// over many sets (set_of_sample()) may stay with a single pass.
 ///
-/// Threads: const calls may run on any number of threads at once; begin_pass() only while none
-/// of them runs.
+/// Threads: const calls may run on any number of threads at once; begin_pass() and update() only
+/// while none of them runs.
 class LightSampler : public LightSelector {
   public:
     /// Draws the random ranges of a pass, from which the sampler itself selects; equal numbers
@@ -122,6 +130,16 @@ class LightSampler : public LightSelector {
     /// with the sampler, never changes, and may outlive it. It takes the time of begin_pass() and
     /// some 5 bytes per set and group of lights. Runs in the caller's TBB arena.
     virtual std::unique_ptr<const LightSelector> pass(std::uint64_t number) const = 0;
+
+    /// Lights that have moved, changed or been switched: as many as the sampler was made over, in
+    /// the same order. Begin a pass after it; passes that were taken before stay what they are.
+    /// `culled` and `light_bvh` keep the topology of their tree and fit it to the lights, in a
+    /// tenth of the time that building takes. The tree is built anew if it has grown looser than
+    /// `max_growth`, or a light shines that had no intensity when it was built; the other samplers
+    /// always build anew. Ranges stay as long, in metres and for the same intensity, as they were
+    /// calibrated. Runs in the caller's TBB arena. Throws Error, and changes nothing, for another
+    /// number of lights, as make_sampler() for what a light holds, and where it cannot be done.
+    virtual LightUpdate update(Span<const Light> lights, float max_growth = 2.0f) = 0;
 };
 
 }  // namespace lightcull

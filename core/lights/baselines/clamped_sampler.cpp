@@ -42,6 +42,13 @@ class ClampedSampler final : public PasslessSampler<ClampedSampler> {
         return g > 0.0f ? g / receipt.weight_sum : 0.0f;
     }
 
+    LightUpdate update(Span<const Light> lights, float) override {
+        const LightTable table = make_updated_light_table(lights, tree_->light_count());
+        *this =
+            ClampedSampler(table, reach_in(table.frame, tree_->ranges().reach(), tree_->frame()));
+        return {true, 1.0f};
+    }
+
     SelectionCounts count(const ShadingPoint& point) const noexcept override {
         return for_each_in_range(point, [](const Accepted&) {});
     }

@@ -44,6 +44,8 @@ class CullingTree {
     const std::vector<LightRecord>& records() const noexcept { return lights_->records; }
     const std::vector<std::uint32_t>& lights() const noexcept { return lights_->lights; }
 
+    std::size_t light_count() const noexcept { return lights_->record_of.size(); }
+
     static constexpr std::uint32_t kNoRecord = OrderedLights::kNoRecord;
     /// kNoRecord for a light of intensity 0.
     std::uint32_t to_record(std::uint32_t light) const noexcept {

@@ -85,6 +85,14 @@ class PaperSampler final : public PaperSamplerBase, public SamplerInfo {
         return std::make_unique<PaperSampler>(*this, number);
     }
 
+    LightUpdate update(Span<const Light> lights, float) override {
+        const LightTable table = make_updated_light_table(lights, tree_.light_count());
+        const PaperOptions options{{}, set_count(), range_at_vertex_, weight_by_g_, list_size_};
+        *this = PaperSampler(table, reach_in(table.frame, tree_.ranges().reach(), tree_.frame()),
+                             options);
+        return {true, 1.0f};
+    }
+
     Selection select(const ShadingPoint& point, float u) const noexcept override {
         return list_size_ == 0 ? select_of_all(point, u) : select_of_list(point, u);
     }

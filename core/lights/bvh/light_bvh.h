@@ -92,6 +92,31 @@ struct LightBvh {
 template <typename Node>
 LightBvh<Node> build_light_bvh(const LightTable& table);
 
+/// Fits the nodes to lights that have changed; the topology stays. Lights that were not lit when
+/// the tree was built must not be lit now. Runs in the caller's TBB arena; the result does not
+/// depend on it.
+template <typename Node>
+void refit_light_bvh(LightBvh<Node>& bvh, const LightTable& table);
+
+/// Whether all lit lights have a place in the tree, so that it can be refitted.
+template <typename Node>
+bool holds_all_lit(const LightBvh<Node>& bvh, const LightTable& table) noexcept {
+    for (const std::uint32_t light : table.lit) {
+        if (bvh.slots[light] == LightBvh<Node>::kNoSlot) return false;
+    }
+    return true;
+}
+
+/// How loose a tree is, whatever the size of all of it: the sum over inner slots of intensity by
+/// squared radius, relative to those of the root. 0 without inner slots.
+template <typename Node>
+double looseness(const LightBvh<Node>& bvh) noexcept;
+
+/// LightUpdate::growth by the looseness of a tree now, and when it was built.
+inline float growth(double now, double built) noexcept {
+    return built > 0.0 ? static_cast<float>(now / built) : 1.0f;
+}
+
 extern template LightBvh<BoundsNode> build_light_bvh(const LightTable& table);
 extern template LightBvh<MeansNode> build_light_bvh(const LightTable& table);
 

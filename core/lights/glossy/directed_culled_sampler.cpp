@@ -40,6 +40,14 @@ class DirectedCulledSampler final : public DirectedCulledSamplerBase, public Sam
         return std::make_unique<DirectedCulledSampler>(*this, number);
     }
 
+    LightUpdate update(Span<const Light> lights, float) override {
+        const LightTable table = make_updated_light_table(lights, lights_->record_of.size());
+        *this = DirectedCulledSampler(
+            table,
+            RandomRanges(reach_in(table.frame, tree_.ranges().reach(), frame_), set_count()));
+        return {true, 1.0f};
+    }
+
     Selection select(const ShadingPoint& point, float u) const noexcept override {
         Reservoir reservoir(u);
         for_each_accepted(point, [&](std::uint32_t record, float g, float inverse_prob) {

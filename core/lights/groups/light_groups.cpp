@@ -75,6 +75,14 @@ LightGroups make_light_groups(const LightTable& table, std::uint32_t max_size) {
     return result;
 }
 
+void refit_light_groups(LightGroups& groups, const LightTable& table) {
+    refit_light_bvh(groups.bvh, table);
+    for (std::size_t i = 0; i < groups.groups.size(); ++i) {
+        const LightBvhSlot slot = groups.slots[i];
+        groups.groups[i].set(0, groups.bvh.nodes[slot / kWidth], slot % kWidth);
+    }
+}
+
 std::uint32_t suitable_group_size(std::size_t lights) noexcept {
     constexpr std::size_t kGroups = 400, kMostLights = 128;
     return static_cast<std::uint32_t>(std::clamp(lights / kGroups, std::size_t{1}, kMostLights));

@@ -37,6 +37,10 @@ struct LightGroups {
     std::size_t memory_size() const noexcept;
 };
 
+/// Fits the groups to lights that have changed, all of which must have a place in `groups.bvh`.
+/// Runs in the caller's TBB arena.
+void refit_light_groups(LightGroups& groups, const LightTable& table);
+
 /// Of at most max_size lights each, as large as the tree allows. Runs in the caller's TBB arena.
 LightGroups make_light_groups(const LightTable& table, std::uint32_t max_size);
 

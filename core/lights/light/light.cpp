@@ -70,6 +70,29 @@ Light triangle_light(float3 a, float3 b, float3 c, float radiance, bool two_side
     return light;
 }
 
+Light sphere_light(float3 center, float radius, float radiance) noexcept {
+    Light light = point_light(center, radiance * static_cast<float>(kPi) * radius * radius);
+    light.radius = radius;
+    return light;
+}
+
+Light disc_light(float3 center, float3 normal, float radius, float radiance,
+                 bool two_sided) noexcept {
+    Light light = sphere_light(center, radius, radiance);
+    light.axis = unit(normal);
+    light.cos_theta_o = 1.0f;
+    light.two_sided = two_sided;
+    return light;
+}
+
+Light cylinder_light(float3 a, float3 b, float radius, float radiance) noexcept {
+    const float3 half = (b - a) * 0.5f;
+    const float half_length = length(half);
+    Light light = point_light(a + half, radiance * 4.0f * radius * half_length);
+    light.radius = std::hypot(half_length, radius) * (1.0f + 1e-6f);
+    return light;
+}
+
 Light point_light(float3 position, float intensity) noexcept {
     Light light;
     light.center = position;

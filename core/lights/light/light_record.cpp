@@ -122,4 +122,22 @@ LightTable make_light_table(Span<const Light> lights) {
     return table;
 }
 
+LightTable make_updated_light_table(Span<const Light> lights, std::size_t count) {
+    if (lights.size() != count) {
+        throw Error("update: there are " + std::to_string(lights.size()) +
+                    " lights, and the sampler was made over " + std::to_string(count));
+    }
+    return make_light_table(lights);
+}
+
+float reach_in(const Frame& frame, float reach, const Frame& of_reach) noexcept {
+    const auto scale =
+        static_cast<double>(frame.inv_scale) / static_cast<double>(of_reach.inv_scale);
+    const double brightness =
+        static_cast<double>(frame.intensity) / static_cast<double>(of_reach.intensity);
+    constexpr double kLeast = 1e-30, kGreatest = 1e18;  // as calibrate_reach() has them
+    return static_cast<float>(
+        std::clamp(static_cast<double>(reach) * scale * scale * brightness, kLeast, kGreatest));
+}
+
 }  // namespace lightcull

@@ -56,4 +56,10 @@ struct LightTable {
 /// Throws Error that names the first light and field that is not as Light documents.
 LightTable make_light_table(Span<const Light> lights);
 
+/// The same for lights that take the place of `count` others. Throws Error for another number.
+LightTable make_updated_light_table(Span<const Light> lights, std::size_t count);
+
+/// `reach` (RandomRanges) of one frame in the units of another: ranges stay as long in metres.
+float reach_in(const Frame& frame, float reach, const Frame& of_reach) noexcept;
+
 }  // namespace lightcull

@@ -24,6 +24,14 @@ RangeTree::RangeTree(Span<const RangedLight> lights, const RandomRanges& ranges)
       radii_(tree().slot_count() * ranges.set_count()) {
 }
 
+RangeTree::RangeTree(const RangeTree& other, Span<const RangedLight> records,
+                     const RandomRanges& ranges)
+    : ranges_(ranges),
+      topology_(std::make_shared<const Topology>(Topology{
+          refit_sphere_tree(other.tree(), records, ranges.reach()), other.topology_->refit_order})),
+      radii_(tree().slot_count() * ranges.set_count()) {
+}
+
 RangeTree::RangeTree(const RangeTree& other, std::uint64_t pass)
     : ranges_(other.ranges_), topology_(other.topology_), radii_(other.radii_.size()) {
     begin_pass(pass);

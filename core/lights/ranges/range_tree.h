@@ -21,6 +21,10 @@ class RangeTree {
     /// Has no ranges before the first begin_pass().
     RangeTree(Span<const RangedLight> lights, const RandomRanges& ranges);
 
+    /// The topology of another tree over lights that have changed, by record. Has no ranges before
+    /// the first begin_pass().
+    RangeTree(const RangeTree& other, Span<const RangedLight> records, const RandomRanges& ranges);
+
     /// The ranges of another pass over the same topology, which both share.
     RangeTree(const RangeTree& other, std::uint64_t pass);
 

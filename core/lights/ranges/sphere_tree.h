@@ -61,4 +61,7 @@ struct SphereTree {
 /// TBB arena; the result does not depend on it.
 SphereTree build_sphere_tree(Span<const RangedLight> lights, float reach);
 
+/// The same topology over lights that have changed, by record.
+SphereTree refit_sphere_tree(const SphereTree& tree, Span<const RangedLight> records, float reach);
+
 }  // namespace lightcull

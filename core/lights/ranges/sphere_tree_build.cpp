@@ -94,4 +94,11 @@ SphereTree build_sphere_tree(Span<const RangedLight> lights, float reach) {
     return tree;
 }
 
+SphereTree refit_sphere_tree(const SphereTree& tree, Span<const RangedLight> records, float reach) {
+    SphereTree result = tree;
+    result.records.assign(records.begin(), records.end());
+    place_at_typical_range(result, reach);
+    return result;
+}
+
 }  // namespace lightcull

@@ -137,6 +137,12 @@ class CheckedSampler final : public LightSampler {
         return std::make_unique<CheckedPass>(inner_->pass(number), checks_);
     }
 
+    LightUpdate update(Span<const Light> lights, float max_growth) override {
+        const LightUpdate result = inner_->update(lights, max_growth);
+        has_pass_ = false;
+        return result;
+    }
+
     Selection select(const ShadingPoint& point, float u) const noexcept override {
         return has_begun("select()") ? checks_->select(*inner_, point, u) : Selection{};
     }

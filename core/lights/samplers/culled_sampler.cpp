@@ -36,14 +36,22 @@ constexpr std::uint32_t kSetsOfGlossy = 16;
 /// gives it: that is prob then, whichever way it was chosen.
 class CulledSampler final : public CulledSamplerBase, public SamplerInfo {
   public:
-    CulledSampler(const Frame& frame, LightGroups groups, const RandomRanges& ranges)
-        : frame_(frame), tree_(groups.ranged(), ranges) {
+    CulledSampler(const Frame& frame, LightGroups groups, const RandomRanges& ranges,
+                  std::uint32_t group_size)
+        : frame_(frame),
+          tree_(groups.ranged(), ranges),
+          group_size_(group_size),
+          built_looseness_(looseness(groups.bvh)) {
         groups.reorder(tree_.tree().order);
         groups_ = std::make_shared<const LightGroups>(std::move(groups));
     }
 
     CulledSampler(const CulledSampler& other, std::uint64_t pass)
-        : frame_(other.frame_), groups_(other.groups_), tree_(other.tree_, pass) {}
+        : frame_(other.frame_),
+          groups_(other.groups_),
+          tree_(other.tree_, pass),
+          group_size_(other.group_size_),
+          built_looseness_(other.built_looseness_) {}
 
     CulledScene scene() const noexcept override { return {frame_, *groups_, tree_}; }
 
@@ -51,6 +59,33 @@ class CulledSampler final : public CulledSamplerBase, public SamplerInfo {
 
     std::unique_ptr<const LightSelector> pass(std::uint64_t number) const override {
         return std::make_unique<CulledSampler>(*this, number);
+    }
+
+    LightUpdate update(Span<const Light> lights, float max_growth) override {
+        const LightTable table = make_updated_light_table(lights, groups_->group_of.size());
+        if (table.has_glossy) {
+            throw Error("update: a light became a glossy point, which wants another sampler");
+        }
+        const RandomRanges ranges(reach_in(table.frame, tree_.ranges().reach(), frame_),
+                                  set_count());
+        LightUpdate result;
+        result.rebuilt = !holds_all_lit(groups_->bvh, table);
+        if (!result.rebuilt) {
+            LightGroups groups = *groups_;
+            refit_light_groups(groups, table);
+            result.growth = growth(looseness(groups.bvh), built_looseness_);
+            result.rebuilt = result.growth > max_growth;
+            if (!result.rebuilt) {
+                tree_ = RangeTree(tree_, groups.ranged(), ranges);
+                groups_ = std::make_shared<const LightGroups>(std::move(groups));
+                frame_ = table.frame;
+            }
+        }
+        if (result.rebuilt) {
+            *this = CulledSampler(table.frame, make_light_groups(table, group_size_), ranges,
+                                  group_size_);
+        }
+        return result;
     }
 
     Selection select(const ShadingPoint& point, float u) const noexcept override {
@@ -254,6 +289,8 @@ class CulledSampler final : public CulledSamplerBase, public SamplerInfo {
     Frame frame_;
     std::shared_ptr<const LightGroups> groups_;
     RangeTree tree_;
+    std::uint32_t group_size_;
+    double built_looseness_;  ///< of the BVH, when it was last built
 };
 
 }  // namespace
@@ -272,14 +309,16 @@ std::unique_ptr<LightSampler> make_culled_sampler(const CulledOptions& options,
         return make_directed_culled_sampler(table, reach,
                                             options.set_count.value_or(kSetsOfGlossy));
     }
-    LightGroups groups = make_light_groups(
-        table, options.group_size.value_or(suitable_group_size(table.lit.size())));
+    const std::uint32_t group_size =
+        options.group_size.value_or(suitable_group_size(table.lit.size()));
+    LightGroups groups = make_light_groups(table, group_size);
     const float reach = calibrate_reach(ranged_scene(groups, table.frame), options.range,
                                         context.calibration_points, RangeLaw::kRandom);
     const std::uint32_t suitable =
         suitable_set_count(lights.size(), groups.groups.size(), context.points_per_pass);
     return std::make_unique<CulledSampler>(
-        table.frame, std::move(groups), RandomRanges(reach, options.set_count.value_or(suitable)));
+        table.frame, std::move(groups), RandomRanges(reach, options.set_count.value_or(suitable)),
+        group_size);
 }
 
 }  // namespace lightcull

@@ -34,6 +34,12 @@ class ExhaustiveSampler final : public PasslessSampler<ExhaustiveSampler> {
         return g > 0.0f ? g / receipt.weight_sum : 0.0f;
     }
 
+    LightUpdate update(Span<const Light> lights, float) override {
+        table_ = std::make_shared<const LightTable>(
+            make_updated_light_table(lights, table_->records.size()));
+        return {true, 1.0f};
+    }
+
     SelectionCounts count(const ShadingPoint& point) const noexcept override {
         const float3 x = table_->frame.position(point.position);
         SelectionCounts counts;

@@ -18,7 +18,8 @@ class LightBvhSampler final : public PasslessSampler<LightBvhSampler<Node>> {
   public:
     explicit LightBvhSampler(const LightTable& table)
         : frame_(table.frame),
-          bvh_(std::make_shared<const LightBvh<Node>>(build_light_bvh<Node>(table))) {}
+          bvh_(std::make_shared<const LightBvh<Node>>(build_light_bvh<Node>(table))),
+          built_looseness_(looseness(*bvh_)) {}
 
     Selection select(const ShadingPoint& point, float u) const noexcept override {
         if (bvh_->nodes.empty()) return {};
@@ -49,6 +50,24 @@ class LightBvhSampler final : public PasslessSampler<LightBvhSampler<Node>> {
             of_bvh().prob_of_slot(*bvh_, to_local(point), bvh_->slots[light], 1.0));
     }
     bool needs_receipt() const noexcept override { return false; }
+
+    LightUpdate update(Span<const Light> lights, float max_growth) override {
+        const LightTable table = make_updated_light_table(lights, bvh_->slots.size());
+        LightUpdate result;
+        result.rebuilt = !holds_all_lit(*bvh_, table);
+        if (!result.rebuilt) {
+            LightBvh<Node> bvh = *bvh_;
+            refit_light_bvh(bvh, table);
+            result.growth = growth(looseness(bvh), built_looseness_);
+            result.rebuilt = result.growth > max_growth;
+            if (!result.rebuilt) {
+                bvh_ = std::make_shared<const LightBvh<Node>>(std::move(bvh));
+                frame_ = table.frame;
+            }
+        }
+        if (result.rebuilt) *this = LightBvhSampler(table);
+        return result;
+    }
 
     /// Of the selection with u = 0.5. All children of the nodes on its way are tested; those that
     /// are lights and have an importance above 0 are accepted.
@@ -109,6 +128,7 @@ class LightBvhSampler final : public PasslessSampler<LightBvhSampler<Node>> {
 
     Frame frame_;
     std::shared_ptr<const LightBvh<Node>> bvh_;
+    double built_looseness_;
 };
 
 }  // namespace

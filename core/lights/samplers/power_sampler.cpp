@@ -22,7 +22,8 @@ AliasTable make_intensity_table(const LightTable& table) {
 class PowerSampler final : public PasslessSampler<PowerSampler> {
   public:
     explicit PowerSampler(const LightTable& table)
-        : table_(std::make_shared<const AliasTable>(make_intensity_table(table))) {}
+        : table_(std::make_shared<const AliasTable>(make_intensity_table(table))),
+          light_count_(table.records.size()) {}
 
     using LightSampler::select;
 
@@ -38,6 +39,11 @@ class PowerSampler final : public PasslessSampler<PowerSampler> {
     }
     bool needs_receipt() const noexcept override { return false; }
 
+    LightUpdate update(Span<const Light> lights, float) override {
+        *this = PowerSampler(make_updated_light_table(lights, light_count_));
+        return {true, 1.0f};
+    }
+
     SelectionCounts count(const ShadingPoint&) const noexcept override {
         return {0, 0, table_->size()};
     }
@@ -46,6 +52,7 @@ class PowerSampler final : public PasslessSampler<PowerSampler> {
 
   private:
     std::shared_ptr<const AliasTable> table_;
+    std::size_t light_count_;
 };
 
 }  // namespace

@@ -40,6 +40,12 @@ class UniformSampler final : public PasslessSampler<UniformSampler> {
     }
     bool needs_receipt() const noexcept override { return false; }
 
+    LightUpdate update(Span<const Light> lights, float) override {
+        lights_ = std::make_shared<const LitLights>(
+            make_updated_light_table(lights, lights_->is_lit.size()));
+        return {true, 1.0f};
+    }
+
     SelectionCounts count(const ShadingPoint&) const noexcept override {
         return {0, 0, static_cast<std::uint32_t>(lights_->lit.size())};
     }
