@@ -10,8 +10,8 @@
 #include "base/refine.h"
 #include "base/reservoir.h"
 #include "base/scramble.h"
+#include "lights/bvh/light_bvh_kernels.h"
 #include "lights/samplers/culled_scene.h"
-#include "lights/simd/kernels.h"
 
 namespace lightcull::testing {
 
@@ -58,7 +58,7 @@ class CloseCall {
 
     std::uint32_t step_down(std::uint32_t node) {
         LightBvhImportances g;
-        kernels().means.importances(scene_.groups.bvh.nodes[node], x_, g.of);
+        light_bvh_kernels<MeansNode>().importances(scene_.groups.bvh.nodes[node], x_, g.of);
         double sums[LightBvhNode::kWidth + 1] = {};
         for (int i = 0; i < LightBvhNode::kWidth; ++i) {
             sums[i + 1] = sums[i] + static_cast<double>(g.of[i]);

@@ -10,7 +10,7 @@
 
 #include "lights/bvh/light_bvh.h"
 #include "lights/bvh/light_bvh_descend.h"
-#include "lights/bvh/packet_select.h"
+#include "lights/bvh/point_packet.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace lightcull {

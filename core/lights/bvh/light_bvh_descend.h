@@ -1,7 +1,6 @@
 #pragma once
 
 #include <lightcull/light_sampler.h>
-#include <lightcull/span.h>
 
 #include <cmath>
 #include <cstddef>
@@ -54,20 +53,7 @@ struct LightBvhImportances {
     alignas(32) float of[LightBvhNode::kWidth];
 };
 
-/// What is done with a tree, for one instruction set (see Kernels).
-template <typename Node>
-struct LightBvhKernels {
-    void (*importances)(const Node& node, const LightBvhPoint& point, float* result);
-
-    /// Takes each descent that is not at a light to one, or to prob 0; at most kMaxDescents. Many
-    /// cost less together than one after the other: one computes while others wait for memory.
-    void (*descend)(const LightBvh<Node>& bvh, Span<LightBvhDescent> descents);
-
-    /// The probability of what a slot holds: to the bit what a descent finds that takes it, if it
-    /// starts with `prob` where LightBvh::parents end. 0 for kNoSlot.
-    double (*prob_of_slot)(const LightBvh<Node>& bvh, const LightBvhPoint& point, LightBvhSlot slot,
-                           double prob);
-};
+/// Of LightBvhKernels::descend.
 inline constexpr std::size_t kMaxDescents = 16;
 
 }  // namespace lightcull

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "base/random.h"
-#include "lights/glossy/directed_light.h"
 #include "lights/light/importance.h"
 #include "lights/ranges/ranges.h"
 
@@ -114,19 +113,6 @@ RangedLight ranged(const LightRecord& light) noexcept {
     return {light.center, light.radius, light.intensity};
 }
 
-/// distance: of a record, along a way to it.
-template <typename Distance>
-RangedScene scene_of(const LightTable& table, const Distance& distance) {
-    RangedScene scene{table.frame, {}, [&table, distance](std::size_t i, const LightBvhPoint& x) {
-                          const LightRecord& light = table.records[table.lit[i]];
-                          const Approach way = approach(x.position, light.center);
-                          const bool reaches = importance(light, way, Receiver(x.normal)) > 0.0f;
-                          return reaches ? distance(light, way) : RangedScene::kOutOfReach;
-                      }};
-    for (const std::uint32_t i : table.lit) scene.lights.push_back(ranged(table.records[i]));
-    return scene;
-}
-
 double reach_of_expected_count(const RangedScene& scene, const RangeOptions& options,
                                Span<const ShadingPoint> given, RangeLaw law) {
     const std::vector<std::size_t> sample = sample_lights(scene.lights.size());
@@ -166,24 +152,20 @@ void check_finite(Span<const ShadingPoint> points) {
 
 }  // namespace
 
+bool reaches(const LightRecord& light, const Approach& way, const LightBvhPoint& x) noexcept {
+    return importance(light, way, Receiver(x.normal)) > 0.0f;
+}
+
 RangedScene ranged_scene(const LightTable& table) {
-    return scene_of(table, [](const LightRecord& light, const Approach& way) {
-        return ranged(light).distance(way);
-    });
-}
-
-RangedScene directed_scene(const LightTable& table) {
-    return scene_of(table, [](const LightRecord& light, const Approach& way) {
-        return DirectedLight(light).distance(way);
-    });
-}
-
-RangedScene ranged_scene(const LightGroups& groups, const Frame& frame) {
-    return {frame, groups.ranged(), [&groups](std::size_t i, const LightBvhPoint& point) {
-                const LightGroup& group = groups.groups[i];
-                if (!(importance(group, point) > 0.0f)) return RangedScene::kOutOfReach;
-                return group.ranged().distance(approach(point.position, group.position()));
-            }};
+    RangedScene scene{table.frame, {}, [&table](std::size_t i, const LightBvhPoint& x) {
+                          const LightRecord& light = table.records[table.lit[i]];
+                          const Approach way = approach(x.position, light.center);
+                          return reaches(light, way, x) ? ranged(light).distance(way)
+                                                        : RangedScene::kOutOfReach;
+                      }};
+    scene.lights.reserve(table.lit.size());
+    for (const std::uint32_t i : table.lit) scene.lights.push_back(ranged(table.records[i]));
+    return scene;
 }
 
 float calibrate_reach(const RangedScene& scene, const RangeOptions& options,

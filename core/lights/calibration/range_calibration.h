@@ -7,7 +7,8 @@
 #include <limits>
 #include <vector>
 
-#include "lights/groups/light_groups.h"
+#include "lights/bvh/light_bvh_descend.h"
+#include "lights/light/importance.h"
 #include "lights/light/light_record.h"
 #include "lights/ranges/ranges.h"
 
@@ -23,11 +24,11 @@ struct RangedScene {
     static constexpr float kOutOfReach = std::numeric_limits<float>::infinity();
 };
 
-/// What it refers to must outlive it.
+/// The lit lights of a table, which must outlive it.
 RangedScene ranged_scene(const LightTable& table);
-/// With the distances that DirectedLight has.
-RangedScene directed_scene(const LightTable& table);
-RangedScene ranged_scene(const LightGroups& groups, const Frame& frame);
+
+/// Whether a light gives a point anything, visibility aside. way: from one to the other.
+bool reaches(const LightRecord& light, const Approach& way, const LightBvhPoint& x) noexcept;
 
 /// The factor by which an intensity is to be multiplied for the square of its range at xi = 1, in
 /// the units of the frame: 1 / alpha_i is reach * intensity. From options.error_bound, or by

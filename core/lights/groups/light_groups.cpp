@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "base/memory_size.h"
-#include "lights/simd/kernels.h"
+#include "lights/groups/group_kernels.h"
 
 namespace lightcull {
 namespace {
@@ -111,7 +111,7 @@ std::size_t LightGroups::memory_size() const noexcept {
 }
 
 float importance(const LightGroup& group, const LightBvhPoint& point) noexcept {
-    return kernels().group_importance(group, point);
+    return group_kernels().importance(group, point);
 }
 
 }  // namespace lightcull

@@ -10,8 +10,8 @@
 #include <hwy/highway.h>
 
 #include "lights/bvh/cluster_importance-inl.h"
-#include "lights/bvh/packet_select.h"
 #include "lights/groups/group_weigh-inl.h"
+#include "lights/groups/packet_select.h"
 #include "lights/ranges/sphere_tree_walk-inl.h"
 
 HWY_BEFORE_NAMESPACE();

@@ -2,8 +2,8 @@
 
 #include <cassert>
 
+#include "lights/ranges/range_kernels.h"
 #include "lights/ranges/sphere_tree.h"
-#include "lights/simd/kernels.h"
 
 namespace lightcull {
 
@@ -64,7 +64,7 @@ struct FoundLeaves {
 template <typename Visit>
 std::uint32_t traverse(const SphereTree& tree, const float* radii, const LightBvhPoint& point,
                        Visit&& visit) noexcept {
-    const auto find_leaves = kernels().find_leaves;
+    const auto find_leaves = range_kernels().find_leaves;
     TreeWalk walk(tree);
     FoundLeaves found;
     while (!walk.over()) {

@@ -11,13 +11,16 @@
 
 #include "base/parallel_blocks.h"
 #include "base/reservoir.h"
+#include "lights/bvh/light_bvh_kernels.h"
 #include "lights/calibration/range_calibration.h"
+#include "lights/glossy/directed_calibration.h"
 #include "lights/glossy/directed_culled_sampler.h"
+#include "lights/groups/group_calibration.h"
+#include "lights/groups/group_kernels.h"
 #include "lights/ranges/set_count.h"
 #include "lights/samplers/culled_scene.h"
 #include "lights/samplers/make_samplers.h"
 #include "lights/samplers/point_order.h"
-#include "lights/simd/kernels.h"
 
 namespace lightcull {
 namespace {
@@ -57,13 +60,12 @@ class CulledSampler final : public CulledSamplerBase, public SamplerInfo {
         const LightBvhPoint x = to_local(point);
         GroupChoice choice;
         tree_.for_accepted(x, point.set, [&](Span<const std::uint32_t> records) {
-            kernels().weigh_groups(tree_, groups_->groups.data(), records, x, float_bits(u),
-                                   choice);
+            group_kernels().weigh(tree_, groups_->groups.data(), records, x, float_bits(u), choice);
         });
         LightBvhDescent descent;
         descent.point = x;
         start(choice, u, descent);
-        kernels().means.descend(groups_->bvh, {&descent, 1});
+        light_bvh_kernels<MeansNode>().descend(groups_->bvh, {&descent, 1});
         return result(descent, receipt_of(point.set, choice, x));
     }
 
@@ -133,7 +135,7 @@ class CulledSampler final : public CulledSamplerBase, public SamplerInfo {
         if (alone) return static_cast<float>(prob_of_group);
         const LightBvhSlot slot = groups_->bvh.slots[light];
         return static_cast<float>(
-            kernels().means.prob_of_slot(groups_->bvh, x, slot, prob_of_group));
+            light_bvh_kernels<MeansNode>().prob_of_slot(groups_->bvh, x, slot, prob_of_group));
     }
 
     /// Of a light where no group is accepted, or its own alone.
@@ -145,7 +147,8 @@ class CulledSampler final : public CulledSamplerBase, public SamplerInfo {
         if (importance(group, x) > 0.0f) {
             p = 1.0 / static_cast<double>(tree_.inverse_prob(index, way));
         }
-        const double q = kernels().means.prob_of_slot(groups_->bvh, x, groups_->slots[index], 1.0);
+        const double q = light_bvh_kernels<MeansNode>().prob_of_slot(groups_->bvh, x,
+                                                                     groups_->slots[index], 1.0);
         return prob_of_light(x, group, light, p + (1.0 - p) * q);
     }
 
@@ -226,14 +229,14 @@ class CulledSampler final : public CulledSamplerBase, public SamplerInfo {
         const std::size_t next = std::min(order.size() - count, PointPacket::kSize);
         prefetch({order.data() + count, next}, points, u, selections);
         PacketChoice packet{};
-        kernels().select_packet(tree_, groups_->groups.data(), builder.packet(), packet);
+        group_kernels().select_packet(tree_, groups_->groups.data(), builder.packet(), packet);
         std::array<Receipt, PointPacket::kSize> receipts;
         for (std::size_t i = 0; i < count; ++i) {
             const GroupChoice choice{packet.weight_sum[i], packet.numerator[i], packet.record[i]};
             receipts[i] = receipt_of(set, choice, descents[i].point);
             start(choice, u[order[i]], descents[i]);
         }
-        kernels().means.descend(groups_->bvh, {descents.data(), count});
+        light_bvh_kernels<MeansNode>().descend(groups_->bvh, {descents.data(), count});
         for (std::size_t i = 0; i < count; ++i) {
             selections[order[i]] = result(descents[i], receipts[i]);
         }

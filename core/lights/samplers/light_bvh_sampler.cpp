@@ -6,9 +6,9 @@
 #include "base/refine.h"
 #include "lights/bvh/light_bvh.h"
 #include "lights/bvh/light_bvh_descend.h"
+#include "lights/bvh/light_bvh_kernels.h"
 #include "lights/samplers/make_samplers.h"
 #include "lights/samplers/passless_sampler.h"
-#include "lights/simd/kernels.h"
 
 namespace lightcull {
 namespace {
@@ -23,7 +23,7 @@ class LightBvhSampler final : public PasslessSampler<LightBvhSampler<Node>> {
     Selection select(const ShadingPoint& point, float u) const noexcept override {
         if (bvh_->nodes.empty()) return {};
         LightBvhDescent descent{to_local(point), refine(u, point)};
-        of_bvh().descend(*bvh_, {&descent, 1});
+        light_bvh_kernels<Node>().descend(*bvh_, {&descent, 1});
         return result(descent);
     }
 
@@ -45,8 +45,8 @@ class LightBvhSampler final : public PasslessSampler<LightBvhSampler<Node>> {
 
     float prob(const ShadingPoint& point, const Receipt&,
                std::uint32_t light) const noexcept override {
-        return static_cast<float>(
-            of_bvh().prob_of_slot(*bvh_, to_local(point), bvh_->slots[light], 1.0));
+        return static_cast<float>(light_bvh_kernels<Node>().prob_of_slot(*bvh_, to_local(point),
+                                                                         bvh_->slots[light], 1.0));
     }
     bool needs_receipt() const noexcept override { return false; }
 
@@ -56,7 +56,7 @@ class LightBvhSampler final : public PasslessSampler<LightBvhSampler<Node>> {
         SelectionCounts counts;
         if (bvh_->nodes.empty()) return counts;
         LightBvhDescent descent{to_local(point), refine(0.5f, point)};
-        of_bvh().descend(*bvh_, {&descent, 1});
+        light_bvh_kernels<Node>().descend(*bvh_, {&descent, 1});
         const std::uint32_t last = descent.prob > 0.0
                                        ? bvh_->slots[result(descent).light] / LightBvhNode::kWidth
                                        : descent.child;
@@ -71,8 +71,6 @@ class LightBvhSampler final : public PasslessSampler<LightBvhSampler<Node>> {
     }
 
   private:
-    static const LightBvhKernels<Node>& of_bvh() noexcept { return kernels().of_bvh<Node>(); }
-
     /// At most kMaxDescents points, in turn, so that one waits for memory while others compute.
     void select_some(Span<const ShadingPoint> points, const float* u,
                      Selection* selections) const noexcept {
@@ -80,7 +78,7 @@ class LightBvhSampler final : public PasslessSampler<LightBvhSampler<Node>> {
         for (std::size_t i = 0; i < points.size(); ++i) {
             descents[i] = {to_local(points[i]), refine(u[i], points[i])};
         }
-        of_bvh().descend(*bvh_, {descents.data(), points.size()});
+        light_bvh_kernels<Node>().descend(*bvh_, {descents.data(), points.size()});
         for (std::size_t i = 0; i < points.size(); ++i) selections[i] = result(descents[i]);
     }
 
@@ -92,7 +90,7 @@ class LightBvhSampler final : public PasslessSampler<LightBvhSampler<Node>> {
                     SelectionCounts& counts) noexcept {
         ++counts.nodes_visited;
         LightBvhImportances all;
-        of_bvh().importances(node, point, all.of);
+        light_bvh_kernels<Node>().importances(node, point, all.of);
         for (std::size_t i = 0; i < LightBvhNode::kWidth; ++i) {
             if (node.child[i] == LightBvhNode::kEmpty) continue;
             ++counts.lights_tested;

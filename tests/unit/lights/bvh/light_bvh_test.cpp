@@ -15,8 +15,8 @@
 #include "lights/bvh/light_bvh.h"
 #include "lights/bvh/light_bvh_cluster.h"
 #include "lights/bvh/light_bvh_descend.h"
+#include "lights/bvh/light_bvh_kernels.h"
 #include "lights/light/importance.h"
-#include "lights/simd/kernels.h"
 #include "unit/lights/light/importance_bound.h"
 #include "unit/test_lights.h"
 
@@ -71,7 +71,7 @@ LightBvhPoint local(const LightTable& table, const ShadingPoint& point) {
 template <typename Node>
 LightBvhImportances importances(const Node& node, const LightBvhPoint& point) {
     LightBvhImportances result;
-    kernels().of_bvh<Node>().importances(node, point, result.of);
+    light_bvh_kernels<Node>().importances(node, point, result.of);
     return result;
 }
 
@@ -577,7 +577,7 @@ TEST_CASE_TEMPLATE("light bvh: the least and the greatest u choose lights that r
         const AllProbs all(bvh, local(table, point));
         for (const double u : {0.0, 1e-300, 0x1p-53, 0.5, 1.0 - 0x1p-53}) {
             LightBvhDescent descent{local(table, point), u};
-            kernels().of_bvh<Node>().descend(bvh, {&descent, 1});
+            light_bvh_kernels<Node>().descend(bvh, {&descent, 1});
             REQUIRE(descent.place >= 0.0);
             REQUIRE(descent.place < 1.0);
             if (is_light(descent.child)) {
@@ -619,7 +619,7 @@ TEST_CASE_TEMPLATE("light bvh: all instruction sets choose alike, to the bit", N
         for (std::size_t i = 0; i < points.size(); ++i) {
             descents.push_back(
                 {local(table, points[i]), static_cast<double>(uniform_float(hash(i, 21)))});
-            kernels().of_bvh<Node>().descend(bvh, {&descents[i], 1});
+            light_bvh_kernels<Node>().descend(bvh, {&descents[i], 1});
         }
         return descents;
     };

@@ -10,8 +10,8 @@
 
 #include "base/random.h"
 #include "base/reservoir.h"
+#include "lights/groups/group_kernels.h"
 #include "lights/ranges/range_tree.h"
-#include "lights/simd/kernels.h"
 #include "unit/test_lights.h"
 
 using namespace lightcull;
@@ -86,8 +86,8 @@ TEST_CASE("groups are weighed as a reservoir does it, one after the other") {
                     if (g > 0.0f) reservoir.add(i, g, g * tree.inverse_prob(i, way));
                 }
                 GroupChoice choice;
-                kernels().weigh_groups(tree, groups.groups.data(), {records.data(), count}, point,
-                                       float_bits(u), choice);
+                group_kernels().weigh(tree, groups.groups.data(), {records.data(), count}, point,
+                                      float_bits(u), choice);
                 REQUIRE(choice.weight_sum == reservoir.weight_sum());
                 if (!reservoir.chosen()) continue;
                 REQUIRE(choice.record == reservoir.light());

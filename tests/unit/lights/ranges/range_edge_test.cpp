@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "lights/groups/group_kernels.h"
 #include "lights/groups/light_groups.h"
 #include "lights/ranges/range_tree.h"
-#include "lights/simd/kernels.h"
 #include "unit/sanitizer.h"
 #include "unit/test_lights.h"
 
@@ -97,7 +97,7 @@ class Edges {
             builder.add(LightBvhPoint(points[i], float3{0, 0, 0}), 0.5f);
         }
         PacketChoice choice{};
-        kernels().select_packet(tree_, groups.data(), builder.packet(), choice);
+        group_kernels().select_packet(tree_, groups.data(), builder.packet(), choice);
         for (std::size_t i = 0; i < PointPacket::kSize; ++i) {
             const bool accepted = tree_.accepts(target, set, approach(points[i], light.center));
             const bool weighed = choice.weight_sum[i] > 0.0f;
