@@ -20,7 +20,7 @@ namespace lightcull::testing {
 class CloseCall {
   public:
     CloseCall(const CulledScene& scene, const ShadingPoint& point, float u)
-        : scene_(scene), x_(scene.frame.position(point.position), Receiver(point)) {
+        : scene_(scene), x_(scene.frame, point) {
         const std::uint32_t group = choose_group(point.set, float_bits(u));
         place_ = uniform_double(hash(float_bits(u), group));
         std::uint32_t child =
@@ -80,7 +80,7 @@ class CloseCall {
     }
 
     CulledScene scene_;
-    LightBvhPoint x_;
+    Receiver x_;
     double place_ = 0.0;
     bool is_close_ = false;
 };

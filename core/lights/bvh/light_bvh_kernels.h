@@ -12,7 +12,7 @@ namespace lightcull {
 /// What is done with a light BVH, for one instruction set; all of them give the same bits.
 template <typename Node>
 struct LightBvhKernels {
-    void (*importances)(const Node& node, const LightBvhPoint& point, float* result);
+    void (*importances)(const Node& node, const Receiver& receiver, float* result);
 
     /// Takes each descent that is not at a light to one, or to prob 0; at most kMaxDescents. Many
     /// cost less together than one after the other: one computes while others wait for memory.
@@ -20,7 +20,7 @@ struct LightBvhKernels {
 
     /// The probability of what a slot holds: to the bit what a descent finds that takes it, if it
     /// starts with `prob` where LightBvh::parents end. 0 for kNoSlot.
-    double (*prob_of_slot)(const LightBvh<Node>& bvh, const LightBvhPoint& point, LightBvhSlot slot,
+    double (*prob_of_slot)(const LightBvh<Node>& bvh, const Receiver& receiver, LightBvhSlot slot,
                            double prob);
 };
 

@@ -7,9 +7,9 @@
 #include <limits>
 #include <vector>
 
-#include "lights/bvh/light_bvh_descend.h"
 #include "lights/light/importance.h"
 #include "lights/light/light_record.h"
+#include "lights/light/receiver.h"
 #include "lights/ranges/ranges.h"
 
 namespace lightcull {
@@ -20,7 +20,7 @@ struct RangedScene {
     std::vector<RangedLight> lights;  ///< of intensity above 0
     /// From a point to an element of `lights`, as its p takes it; infinite where nothing of it can
     /// reach the point.
-    std::function<float(std::size_t, const LightBvhPoint&)> distance;
+    std::function<float(std::size_t, const Receiver&)> distance;
     static constexpr float kOutOfReach = std::numeric_limits<float>::infinity();
 };
 
@@ -28,7 +28,7 @@ struct RangedScene {
 RangedScene ranged_scene(const LightTable& table);
 
 /// Whether a light gives a point anything, visibility aside. way: from one to the other.
-bool reaches(const LightRecord& light, const Approach& way, const LightBvhPoint& x) noexcept;
+bool reaches(const LightRecord& light, const Approach& way, const Receiver& x) noexcept;
 
 /// The factor by which an intensity is to be multiplied for the square of its range at xi = 1, in
 /// the units of the frame: 1 / alpha_i is reach * intensity. From options.error_bound, or by

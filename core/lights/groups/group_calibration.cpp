@@ -3,10 +3,10 @@
 namespace lightcull {
 
 RangedScene ranged_scene(const LightGroups& groups, const Frame& frame) {
-    return {frame, groups.ranged(), [&groups](std::size_t i, const LightBvhPoint& point) {
+    return {frame, groups.ranged(), [&groups](std::size_t i, const Receiver& receiver) {
                 const LightGroup& group = groups.groups[i];
-                if (!(importance(group, point) > 0.0f)) return RangedScene::kOutOfReach;
-                return group.ranged().distance(approach(point.position, group.position()));
+                if (!(importance(group, receiver) > 0.0f)) return RangedScene::kOutOfReach;
+                return group.ranged().distance(approach(receiver.position, group.position()));
             }};
 }
 

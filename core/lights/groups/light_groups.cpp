@@ -110,8 +110,8 @@ std::size_t LightGroups::memory_size() const noexcept {
            size_of(slots) + size_of(group_of);
 }
 
-float importance(const LightGroup& group, const LightBvhPoint& point) noexcept {
-    return group_kernels().importance(group, point);
+float importance(const LightGroup& group, const Receiver& receiver) noexcept {
+    return group_kernels().importance(group, receiver);
 }
 
 }  // namespace lightcull

@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-#include "lights/bvh/light_bvh_descend.h"
+#include "lights/light/receiver.h"
 
 namespace lightcull {
 
@@ -15,7 +15,7 @@ struct SphereTree;
 struct RangeKernels {
     /// Goes on with a walk until it is over or `found`, whose records are emptied first, is full.
     /// Vectorised across the slots of a node.
-    void (*find_leaves)(const SphereTree& tree, const float* radii, const LightBvhPoint& point,
+    void (*find_leaves)(const SphereTree& tree, const float* radii, const Receiver& receiver,
                         TreeWalk& walk, FoundLeaves& found);
 
     /// The nodes [begin, end) of a refit, the last one first.

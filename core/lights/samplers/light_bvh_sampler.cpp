@@ -61,7 +61,7 @@ class LightBvhSampler final : public PasslessSampler<LightBvhSampler<Node>> {
                                        ? bvh_->slots[result(descent).light] / LightBvhNode::kWidth
                                        : descent.child;
         for (std::uint32_t node = last;; node = bvh_->parents[node] / LightBvhNode::kWidth) {
-            add(bvh_->nodes[node], descent.point, counts);
+            add(bvh_->nodes[node], descent.receiver, counts);
             if (node == 0) return counts;
         }
     }
@@ -82,15 +82,12 @@ class LightBvhSampler final : public PasslessSampler<LightBvhSampler<Node>> {
         for (std::size_t i = 0; i < points.size(); ++i) selections[i] = result(descents[i]);
     }
 
-    LightBvhPoint to_local(const ShadingPoint& point) const noexcept {
-        return {frame_.position(point.position), Receiver(point)};
-    }
+    Receiver to_local(const ShadingPoint& point) const noexcept { return Receiver(frame_, point); }
 
-    static void add(const Node& node, const LightBvhPoint& point,
-                    SelectionCounts& counts) noexcept {
+    static void add(const Node& node, const Receiver& receiver, SelectionCounts& counts) noexcept {
         ++counts.nodes_visited;
         LightBvhImportances all;
-        light_bvh_kernels<Node>().importances(node, point, all.of);
+        light_bvh_kernels<Node>().importances(node, receiver, all.of);
         for (std::size_t i = 0; i < LightBvhNode::kWidth; ++i) {
             if (node.child[i] == LightBvhNode::kEmpty) continue;
             ++counts.lights_tested;
