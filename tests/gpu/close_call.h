@@ -10,8 +10,8 @@
 #include "base/refine.h"
 #include "base/reservoir.h"
 #include "base/scramble.h"
+#include "lights/bvh/light_bvh_kernels.h"
 #include "lights/samplers/culled_scene.h"
-#include "lights/simd/kernels.h"
 
 namespace lightcull::testing {
 
@@ -20,7 +20,7 @@ namespace lightcull::testing {
 class CloseCall {
   public:
     CloseCall(const CulledScene& scene, const ShadingPoint& point, float u)
-        : scene_(scene), x_(scene.frame.position(point.position), Receiver(point)) {
+        : scene_(scene), x_(scene.frame, point) {
         const std::uint32_t group = choose_group(point.set, float_bits(u));
         place_ = uniform_double(hash(float_bits(u), group));
         std::uint32_t child =
@@ -58,7 +58,7 @@ class CloseCall {
 
     std::uint32_t step_down(std::uint32_t node) {
         LightBvhImportances g;
-        kernels().means.importances(scene_.groups.bvh.nodes[node], x_, g.of);
+        light_bvh_kernels<MeansNode>().importances(scene_.groups.bvh.nodes[node], x_, g.of);
         double sums[LightBvhNode::kWidth + 1] = {};
         for (int i = 0; i < LightBvhNode::kWidth; ++i) {
             sums[i + 1] = sums[i] + static_cast<double>(g.of[i]);
@@ -80,7 +80,7 @@ class CloseCall {
     }
 
     CulledScene scene_;
-    LightBvhPoint x_;
+    Receiver x_;
     double place_ = 0.0;
     bool is_close_ = false;
 };

@@ -1,4 +1,4 @@
-// What selections of any kind know of a point, and how near something is to it.
+// lights/light/receiver.h, and how near something is to a receiver.
 
 struct Receiver {
     vec3 position;

@@ -36,9 +36,10 @@ class ClampedSampler final : public PasslessSampler<ClampedSampler> {
         const std::uint32_t record = tree_->to_record(light);
         if (record == CullingTree::kNoRecord) return 0.0f;
         const LightRecord& data = tree_->record(record);
-        const Approach way = approach(tree_->frame().position(point.position), data.center);
+        const Receiver receiver(tree_->frame(), point);
+        const Approach way = approach(receiver.position, data.center);
         if (!tree_->tree().accepts(record, 0, way)) return 0.0f;
-        const float g = importance(data, way, Receiver(point));
+        const float g = importance(data, way, receiver);
         return g > 0.0f ? g / receipt.weight_sum : 0.0f;
     }
 
@@ -58,8 +59,7 @@ class ClampedSampler final : public PasslessSampler<ClampedSampler> {
   private:
     template <typename Visit>
     SelectionCounts for_each_in_range(const ShadingPoint& point, Visit&& visit) const noexcept {
-        return tree_->for_each_accepted(tree_->frame().position(point.position), Receiver(point), 0,
-                                        visit);
+        return tree_->for_each_accepted(Receiver(tree_->frame(), point), 0, visit);
     }
 
     std::shared_ptr<const CullingTree> tree_;

@@ -53,24 +53,23 @@ class CullingTree {
     }
     std::uint32_t to_light(std::uint32_t record) const noexcept { return lights_->lights[record]; }
 
-    /// Calls visit(Accepted) for every light that is accepted at x in `set` and can reach it.
+    /// Calls visit(Accepted) for every light that is accepted at a point in `set` and can reach it.
     template <typename Visit>
-    SelectionCounts for_each_accepted(float3 x, const Receiver& receiver, std::uint32_t set,
+    SelectionCounts for_each_accepted(const Receiver& receiver, std::uint32_t set,
                                       Visit&& visit) const noexcept {
         SelectionCounts counts;
         const auto weigh = [&](std::uint32_t record) {
             ++counts.lights_tested;
-            const Approach way = approach(x, lights_->records[record].center);
+            const Approach way = approach(receiver.position, lights_->records[record].center);
             const float g = importance(lights_->records[record], way, receiver);
             if (!(g > 0.0f)) return;
             ++counts.accepted;
             visit(Accepted{record, g, tree_.inverse_prob(record, way)});
         };
-        counts.nodes_visited = tree_.for_accepted(LightBvhPoint(x, receiver), set,
-                                                  [&](Span<const std::uint32_t> records) {
-                                                      for (const std::uint32_t record : records)
-                                                          weigh(record);
-                                                  });
+        counts.nodes_visited =
+            tree_.for_accepted(receiver, set, [&](Span<const std::uint32_t> records) {
+                for (const std::uint32_t record : records) weigh(record);
+            });
         return counts;
     }
 

@@ -103,8 +103,9 @@ class PaperSampler final : public PaperSamplerBase, public SamplerInfo {
         if (record == CullingTree::kNoRecord) return 0.0f;
         const LightRecord& data = tree_.record(record);
         if (has_proxy()) return data.intensity / intensity_sum_;
-        const Approach way = approach(tree_.frame().position(point.position), data.center);
-        const Accepted as_if{record, importance(data, way, Receiver(point)),
+        const Receiver receiver(tree_.frame(), point);
+        const Approach way = approach(receiver.position, data.center);
+        const Accepted as_if{record, importance(data, way, receiver),
                              tree_.tree().inverse_prob(record, way)};
         if (!(as_if.importance > 0.0f)) return 0.0f;
         const bool accepted = tree_.tree().accepts(record, receipt.key, way);
@@ -129,8 +130,8 @@ class PaperSampler final : public PaperSamplerBase, public SamplerInfo {
     std::uint32_t set_count() const noexcept override { return tree_.ranges().set_count(); }
 
     SelectionCounts count(const ShadingPoint& point) const noexcept override {
-        return tree_.for_each_accepted(tree_.frame().position(point.position), Receiver(point),
-                                       point.set, [](const Accepted&) {});
+        return tree_.for_each_accepted(Receiver(tree_.frame(), point), point.set,
+                                       [](const Accepted&) {});
     }
 
     std::size_t memory_size() const noexcept override { return tree_.memory_size(); }
@@ -154,9 +155,9 @@ class PaperSampler final : public PaperSamplerBase, public SamplerInfo {
     }
 
     Selection select_of_all(const ShadingPoint& point, float u) const noexcept {
-        const float3 x = tree_.frame().position(point.position);
+        const Receiver receiver(tree_.frame(), point);
         Reservoir reservoir(u);
-        tree_.for_each_accepted(x, Receiver(point), point.set, [&](const Accepted& accepted) {
+        tree_.for_each_accepted(receiver, point.set, [&](const Accepted& accepted) {
             reservoir.add(accepted.record, numerator(accepted), weight(accepted));
         });
         const Receipt receipt{reservoir.weight_sum(), point.set};
@@ -165,9 +166,10 @@ class PaperSampler final : public PaperSamplerBase, public SamplerInfo {
     }
 
     Selection select_of_list(const ShadingPoint& point, float u) const noexcept {
-        const float3 x = tree_.frame().position(point.position);
+        const Receiver receiver(tree_.frame(), point);
+        const float3 x = receiver.position;
         LightList list(list_size_, hash(float_bits(u), float_bits(x.x), float_bits(x.y)));
-        tree_.for_each_accepted(x, Receiver(point), point.set,
+        tree_.for_each_accepted(receiver, point.set,
                                 [&](const Accepted& accepted) { list.add(accepted); });
         if (list.size() == 0) return {0, 0.0f, 0.0f, {0.0f, point.set}};
         float cdf[PaperScene::kMaxListSize], sum = 0.0f;

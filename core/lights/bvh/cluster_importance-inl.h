@@ -9,8 +9,8 @@
 #include <hwy/highway.h>
 
 #include "lights/bvh/light_bvh.h"
-#include "lights/bvh/light_bvh_descend.h"
-#include "lights/bvh/packet_select.h"
+#include "lights/light/importance.h"
+#include "lights/light/receiver_lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace lightcull {
@@ -18,55 +18,8 @@ namespace HWY_NAMESPACE {
 namespace cluster {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// One text for one cluster and many points, and for many clusters and one point. D says how many
-// at a time.
-
-/// The same point in all lanes. Its members are those of LightBvhPoint.
-template <class D>
-struct OnePoint {
-    using V = hn::Vec<D>;
-    const LightBvhPoint& point;
-
-    HWY_ATTR V x() const { return hn::Set(D(), point.position.x); }
-    HWY_ATTR V y() const { return hn::Set(D(), point.position.y); }
-    HWY_ATTR V z() const { return hn::Set(D(), point.position.z); }
-    HWY_ATTR V normal(int k) const { return component(point.normal, k); }
-    HWY_ATTR V from_all_sides() const { return hn::Set(D(), point.from_all_sides); }
-    HWY_ATTR V horizon() const { return hn::Set(D(), point.horizon); }
-    bool has_lobe() const { return point.peak > 0.0f; }
-    HWY_ATTR V lobe(int k) const { return component(point.axis, k); }
-    HWY_ATTR V diffuse() const { return hn::Set(D(), point.diffuse); }
-    HWY_ATTR V alpha2() const { return hn::Set(D(), point.alpha2); }
-    HWY_ATTR V peak() const { return hn::Set(D(), point.peak); }
-
-  private:
-    HWY_ATTR static V component(float3 v, int k) {
-        return hn::Set(D(), k == 0 ? v.x : k == 1 ? v.y : v.z);
-    }
-};
-
-/// As many points of a packet as there are lanes, from the i-th on.
-template <class D>
-struct PacketPoints {
-    using V = hn::Vec<D>;
-    const PointPacket& points;
-    std::size_t i;
-
-    HWY_ATTR V x() const { return load(points.x); }
-    HWY_ATTR V y() const { return load(points.y); }
-    HWY_ATTR V z() const { return load(points.z); }
-    HWY_ATTR V normal(int k) const { return load(points.normal[k]); }
-    HWY_ATTR V from_all_sides() const { return load(points.from_all_sides); }
-    HWY_ATTR V horizon() const { return load(points.horizon); }
-    bool has_lobe() const { return points.has_lobes; }
-    HWY_ATTR V lobe(int k) const { return load(points.lobe[k]); }
-    HWY_ATTR V diffuse() const { return load(points.diffuse); }
-    HWY_ATTR V alpha2() const { return load(points.alpha2); }
-    HWY_ATTR V peak() const { return load(points.peak); }
-
-  private:
-    HWY_ATTR V load(const float* values) const { return hn::Load(D(), values + i); }
-};
+// One text for one cluster and many receivers, and for many clusters and one receiver, which are
+// ReceiverLanes. D says how many at a time.
 
 /// A quantity of clusters, from the i-th on; of a single one in all lanes.
 template <class D, std::size_t kCount>
@@ -83,30 +36,30 @@ HWY_ATTR HWY_INLINE V dot(V ax, V ay, V az, V bx, V by, V bz) {
     return hn::Add(hn::Add(hn::Mul(ax, bx), hn::Mul(ay, by)), hn::Mul(az, bz));
 }
 
-/// The ways from points to the centres of clusters.
+/// The ways from receivers to the centres of clusters.
 template <class D>
 struct Ways {
     using V = hn::Vec<D>;
     V x, y, z, distance2;
 
-    template <class Points>
-    HWY_ATTR Ways(const Points& points, V center_x, V center_y, V center_z)
-        : x(hn::Sub(center_x, points.x())),
-          y(hn::Sub(center_y, points.y())),
-          z(hn::Sub(center_z, points.z())),
+    template <class Receivers>
+    HWY_ATTR Ways(const Receivers& receivers, V center_x, V center_y, V center_z)
+        : x(hn::Sub(center_x, receivers.position(0))),
+          y(hn::Sub(center_y, receivers.position(1))),
+          z(hn::Sub(center_z, receivers.position(2))),
           distance2(dot(x, y, z, x, y, z)) {}
-    template <class Points, std::size_t kCount>
-    HWY_ATTR Ways(const Points& points, const float (&centers)[3][kCount], std::size_t i)
-        : Ways(points, load(D(), centers[0], i), load(D(), centers[1], i),
+    template <class Receivers, std::size_t kCount>
+    HWY_ATTR Ways(const Receivers& receivers, const float (&centers)[3][kCount], std::size_t i)
+        : Ways(receivers, load(D(), centers[0], i), load(D(), centers[1], i),
                load(D(), centers[2], i)) {}
 
-    template <class Points>
-    HWY_ATTR V height_over(const Points& points) const {
-        return dot(points.normal(0), points.normal(1), points.normal(2), x, y, z);
+    template <class Receivers>
+    HWY_ATTR V height_over(const Receivers& receivers) const {
+        return dot(receivers.normal(0), receivers.normal(1), receivers.normal(2), x, y, z);
     }
-    template <class Points>
-    HWY_ATTR V along_lobe(const Points& points) const {
-        return dot(points.lobe(0), points.lobe(1), points.lobe(2), x, y, z);
+    template <class Receivers>
+    HWY_ATTR V along_lobe(const Receivers& receivers) const {
+        return dot(receivers.axis(0), receivers.axis(1), receivers.axis(2), x, y, z);
     }
     /// By a vector of each cluster, with the sign changed; of two-sided ones the larger of both.
     template <std::size_t kCount>
@@ -123,10 +76,10 @@ HWY_ATTR HWY_INLINE hn::Vec<D> two_sided(D d, const ClusterMeans<kCount>& cluste
     return hn::CopySign(hn::Set(d, 1.0f), load(d, clusters.diffuse, i));
 }
 
-/// The gates of the importance: where any of a cluster may reach a point.
-template <class D, class Points, std::size_t kCount>
+/// The gates of the importance: where any of a cluster may reach a receiver.
+template <class D, class Receivers, std::size_t kCount>
 HWY_ATTR HWY_INLINE hn::Mask<D> may_reach(D d, const ClusterMeans<kCount>& clusters, std::size_t i,
-                                          const Points& points, const Ways<D>& ways,
+                                          const Receivers& receivers, const Ways<D>& ways,
                                           hn::Vec<D> height) {
     // Of the way from the cone's apex: its part along the axis, and its square.
     const auto along = ways.against(clusters.axis, i, two_sided(d, clusters, i));
@@ -135,7 +88,7 @@ HWY_ATTR HWY_INLINE hn::Mask<D> may_reach(D d, const ClusterMeans<kCount>& clust
     const auto from_apex2 = hn::Add(ways.distance2, hn::Mul(apex, hn::Add(along, from_apex)));
     const auto inside = hn::Ge(hn::Mul(from_apex, hn::Abs(from_apex)),
                                hn::Mul(load(d, clusters.cosine, i), from_apex2));
-    const auto above = hn::Gt(hn::Add(height, load(d, clusters.radius, i)), points.horizon());
+    const auto above = hn::Gt(hn::Add(height, load(d, clusters.radius, i)), receivers.horizon());
     return hn::And(above, inside);
 }
 
@@ -146,18 +99,18 @@ HWY_ATTR HWY_INLINE V softened(V c, V q) {
     return hn::Add(c, hn::Sqrt(hn::Add(hn::Mul(c, c), q)));
 }
 
-/// diffuse * received + the glossy lobe of the points at a cosine to its axis. angular_spread: as
-/// mean_of_lobe() has it.
-template <class D, class Points>
-HWY_ATTR HWY_NOINLINE hn::Vec<D> with_lobe(D d, const Points& points, hn::Vec<D> cosine,
+/// diffuse * received + the glossy lobe of the receivers at a cosine to its axis. angular_spread:
+/// as mean_of_lobe() has it.
+template <class D, class Receivers>
+HWY_ATTR HWY_NOINLINE hn::Vec<D> with_lobe(D d, const Receivers& receivers, hn::Vec<D> cosine,
                                            hn::Vec<D> angular_spread, hn::Vec<D> received) {
-    const auto alpha2 = points.alpha2();
+    const auto alpha2 = receivers.alpha2();
     const auto width = hn::Add(alpha2, hn::Mul(hn::Set(d, 0.25f), angular_spread));
     const auto off_axis = hn::Mul(hn::Set(d, 0.5f), hn::Sub(hn::Set(d, 1.0f), cosine));
     const auto inverse = hn::Div(hn::Set(d, 1.0f), hn::Add(width, off_axis));
     const auto lobe =
-        hn::Mul(hn::Mul(hn::Mul(hn::Mul(points.peak(), alpha2), width), inverse), inverse);
-    return hn::Add(hn::Mul(points.diffuse(), received), lobe);
+        hn::Mul(hn::Mul(hn::Mul(hn::Mul(receivers.peak(), alpha2), width), inverse), inverse);
+    return hn::Add(hn::Mul(receivers.diffuse(), received), lobe);
 }
 
 /// Of clusters what they are estimated to give a point, behind the gates above. The bounds of Conty
@@ -169,24 +122,24 @@ HWY_ATTR HWY_NOINLINE hn::Vec<D> with_lobe(D d, const Points& points, hn::Vec<D>
 ///
 /// Measured on seven scenes, the variance of the estimate is 1.7 to 17 times smaller than by
 /// bounds.
-template <class D, class Points, std::size_t kCount>
+template <class D, class Receivers, std::size_t kCount>
 HWY_ATTR HWY_INLINE hn::Vec<D> mean_importance(D d, const ClusterMeans<kCount>& clusters,
-                                               std::size_t i, const Points& points,
+                                               std::size_t i, const Receivers& receivers,
                                                const Ways<D>& ways, hn::Vec<D> height) {
     const auto zero = hn::Zero(d), one = hn::Set(d, 1.0f);
     const auto signed_spread = load(d, clusters.spread, i);
     const auto spread = hn::Abs(signed_spread);
     const auto mean_distance2 = hn::Add(ways.distance2, spread);
     auto received =
-        softened(height, hn::Add(spread, hn::Mul(points.from_all_sides(), mean_distance2)));
-    if (points.has_lobe()) {
+        softened(height, hn::Add(spread, hn::Mul(receivers.from_all_sides(), mean_distance2)));
+    if (receivers.has_lobe()) {
         const auto root = hn::Sqrt(mean_distance2);
         const auto inverse_root = hn::Div(one, root);
-        const auto both = with_lobe(d, points, hn::Mul(ways.along_lobe(points), inverse_root),
+        const auto both = with_lobe(d, receivers, hn::Mul(ways.along_lobe(receivers), inverse_root),
                                     hn::Mul(hn::Mul(spread, inverse_root), inverse_root),
                                     hn::Mul(hn::Mul(hn::Set(d, 0.5f), received), inverse_root));
-        received = hn::IfThenElse(hn::Gt(points.peak(), zero), hn::Mul(hn::Add(root, root), both),
-                                  received);
+        received = hn::IfThenElse(hn::Gt(receivers.peak(), zero),
+                                  hn::Mul(hn::Add(root, root), both), received);
     }
     const auto facing = ways.against(clusters.mean_normal, i, two_sided(d, clusters, i));
     const auto across_emitter = hn::Max(signed_spread, zero);

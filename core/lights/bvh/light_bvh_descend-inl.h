@@ -26,8 +26,8 @@ struct Shares {
     double sums[kWidth + 1];  ///< of the importances before each; of all
 
     template <typename Node>
-    HWY_ATTR Shares(const Node& node, const LightBvhPoint& point) {
-        compute_importances(node, point, importances.of);
+    HWY_ATTR Shares(const Node& node, const Receiver& receiver) {
+        compute_importances(node, receiver, importances.of);
         // In double precision, where each importance above 0 raises the sum.
         sums[0] = 0.0;
         for (std::size_t i = 0; i < kWidth; ++i) {
@@ -60,7 +60,7 @@ HWY_ATTR inline void prefetch(const Node& node) {
 template <typename Node>
 HWY_ATTR inline bool step(const LightBvh<Node>& bvh, LightBvhDescent& descent) {
     const Node& node = bvh.nodes[descent.child];
-    const Shares shares(node, descent.point);
+    const Shares shares(node, descent.receiver);
     if (!(shares.total() > 0.0)) {
         descent.prob = 0.0;
         return false;
@@ -93,8 +93,8 @@ HWY_ATTR void descend(const LightBvh<Node>& bvh, Span<LightBvhDescent> descents)
 }
 
 template <typename Node>
-HWY_ATTR double prob_of_slot(const LightBvh<Node>& bvh, const LightBvhPoint& point,
-                             LightBvhSlot slot, double prob) {
+HWY_ATTR double prob_of_slot(const LightBvh<Node>& bvh, const Receiver& receiver, LightBvhSlot slot,
+                             double prob) {
     LightBvhSlot path[LightBvh<Node>::kMaxDepth];
     std::size_t depth = 0;
     for (; slot != LightBvh<Node>::kNoSlot; slot = bvh.parents[slot / kWidth]) {
@@ -102,7 +102,7 @@ HWY_ATTR double prob_of_slot(const LightBvh<Node>& bvh, const LightBvhPoint& poi
     }
     if (depth == 0) return 0.0;
     while (depth-- > 0) {
-        const Shares shares(bvh.nodes[path[depth] / kWidth], point);
+        const Shares shares(bvh.nodes[path[depth] / kWidth], receiver);
         if (!(shares.total() > 0.0)) return 0.0;
         prob *= shares.prob(path[depth] % kWidth);
     }

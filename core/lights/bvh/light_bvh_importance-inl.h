@@ -45,29 +45,29 @@ HWY_ATTR HWY_INLINE AngleVec subtract_clamped(AngleVec a, AngleVec b) {
 /// The geometric importance of Conty Estevez & Kulla 2018, of the clusters under a node: intensity
 /// by the squared distance to the middle of their bounds, by the largest cosines of emitter and
 /// receiver that the angle filled by the bounds allows. An importance is 0 only where none of the
-/// cluster can reach the point.
+/// cluster can reach the receiver.
 ///
 /// Here the bounds of a node are the sphere around its box (the eight corners of the box give 5 %
 /// less variance for a third more time), a receiver has one side, and the distance is at least half
 /// the radius (the mean variance is up to three times as large with all, no smaller with less).
-HWY_ATTR HWY_INLINE void compute_importances(const BoundsNode& node, const LightBvhPoint& point,
+HWY_ATTR HWY_INLINE void compute_importances(const BoundsNode& node, const Receiver& receiver,
                                              float* HWY_RESTRICT result) {
     const Tag d;
     const auto one = hn::Set(d, 1.0f);
-    const auto nx = hn::Set(d, point.normal.x), ny = hn::Set(d, point.normal.y),
-               nz = hn::Set(d, point.normal.z);
+    const auto nx = hn::Set(d, receiver.normal.x), ny = hn::Set(d, receiver.normal.y),
+               nz = hn::Set(d, receiver.normal.z);
     for (std::size_t i = 0; i < kWidth; i += hn::Lanes(d)) {
         const auto load = [&](const float* values) HWY_ATTR { return hn::Load(d, values + i); };
-        const auto wx = hn::Sub(load(node.center[0]), hn::Set(d, point.position.x));
-        const auto wy = hn::Sub(load(node.center[1]), hn::Set(d, point.position.y));
-        const auto wz = hn::Sub(load(node.center[2]), hn::Set(d, point.position.z));
+        const auto wx = hn::Sub(load(node.center[0]), hn::Set(d, receiver.position.x));
+        const auto wy = hn::Sub(load(node.center[1]), hn::Set(d, receiver.position.y));
+        const auto wz = hn::Sub(load(node.center[2]), hn::Set(d, receiver.position.z));
         const auto distance = hn::Sqrt(dot(wx, wy, wz, wx, wy, wz));
         // Bounds hold whatever the rounding of positions. A light without extent has none: at the
         // points about it, those that it cannot reach among them, it would outweigh all else.
         const auto bounds = load(node.radius);
         const auto has_bounds = hn::Gt(bounds, hn::Zero(d));
         const auto radius =
-            hn::Add(bounds, hn::IfThenElseZero(has_bounds, hn::Set(d, point.rounding)));
+            hn::Add(bounds, hn::IfThenElseZero(has_bounds, hn::Set(d, receiver.rounding)));
         const auto least_distance = hn::Set(d, kMinDistance);
         const auto inverse = hn::Div(one, hn::Max(distance, least_distance));
 
@@ -79,19 +79,20 @@ HWY_ATTR HWY_INLINE void compute_importances(const BoundsNode& node, const Light
 
         const auto height = hn::Mul(dot(nx, ny, nz, wx, wy, wz), inverse);
         const auto seen = largest_cosine({other_of(height), height});
-        const auto all_sides = hn::Gt(hn::Set(d, point.from_all_sides), hn::Zero(d));
+        const auto all_sides = hn::Gt(hn::Set(d, receiver.from_all_sides), hn::Zero(d));
         // Within the bounds nothing is known of either angle.
         const auto inside = hn::Ge(radius, distance);
         auto received = hn::IfThenElse(hn::Or(all_sides, inside), one, seen);
-        if (point.peak > 0.0f) {
-            const auto mirrored = hn::Mul(dot(hn::Set(d, point.axis.x), hn::Set(d, point.axis.y),
-                                              hn::Set(d, point.axis.z), wx, wy, wz),
-                                          inverse);
+        if (receiver.has_lobe()) {
+            const auto mirrored =
+                hn::Mul(dot(hn::Set(d, receiver.axis.x), hn::Set(d, receiver.axis.y),
+                            hn::Set(d, receiver.axis.z), wx, wy, wz),
+                        inverse);
             // The mean in the bounds: their largest value would outweigh all else wherever the lobe
             // is narrower than they are.
             const auto spread = hn::Mul(hn::Set(d, 0.4f), hn::Mul(half_sine, half_sine));
-            const auto glossy =
-                cluster::with_lobe(d, cluster::OnePoint<Tag>{point}, mirrored, spread, received);
+            const auto glossy = cluster::with_lobe(d, ReceiverLanes<Tag, Receiver>{receiver},
+                                                   mirrored, spread, received);
             received = hn::IfThenElseZero(hn::Gt(received, hn::Zero(d)), glossy);
         }
 
@@ -114,15 +115,15 @@ HWY_ATTR HWY_INLINE void compute_importances(const BoundsNode& node, const Light
     }
 }
 
-HWY_ATTR HWY_INLINE void compute_importances(const MeansNode& node, const LightBvhPoint& point,
+HWY_ATTR HWY_INLINE void compute_importances(const MeansNode& node, const Receiver& receiver,
                                              float* HWY_RESTRICT result) {
     const Tag d;
-    const cluster::OnePoint<Tag> points{point};
+    const ReceiverLanes<Tag, Receiver> receivers{receiver};
     for (std::size_t i = 0; i < kWidth; i += hn::Lanes(d)) {
-        const cluster::Ways<Tag> ways(points, node.center, i);
-        const auto height = ways.height_over(points);
-        const auto reached = cluster::may_reach(d, node, i, points, ways, height);
-        const auto mean = cluster::mean_importance(d, node, i, points, ways, height);
+        const cluster::Ways<Tag> ways(receivers, node.center, i);
+        const auto height = ways.height_over(receivers);
+        const auto reached = cluster::may_reach(d, node, i, receivers, ways, height);
+        const auto mean = cluster::mean_importance(d, node, i, receivers, ways, height);
         hn::Store(hn::IfThenElseZero(reached, mean), d, result + i);
     }
 }

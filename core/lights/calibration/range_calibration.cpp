@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "base/random.h"
-#include "lights/glossy/directed_light.h"
 #include "lights/light/importance.h"
 #include "lights/ranges/ranges.h"
 
@@ -48,11 +47,10 @@ std::vector<std::size_t> sample_lights(std::size_t n) {
 }
 
 /// The caller's points, or some inside the bounds of the lights.
-std::vector<LightBvhPoint> points_or_drawn(const RangedScene& scene,
-                                           Span<const ShadingPoint> given) {
-    std::vector<LightBvhPoint> points;
+std::vector<Receiver> points_or_drawn(const RangedScene& scene, Span<const ShadingPoint> given) {
+    std::vector<Receiver> points;
     for (const ShadingPoint& point : given) {
-        points.emplace_back(scene.frame.position(point.position), Receiver(point));
+        points.emplace_back(scene.frame, point);
     }
     if (!points.empty()) return points;
     float3 low = scene.lights[0].center, high = low;
@@ -65,7 +63,7 @@ std::vector<LightBvhPoint> points_or_drawn(const RangedScene& scene,
     for (std::size_t i = 0; i < kDrawnPoints; ++i) {
         const float x = random.next(), y = random.next(), z = random.next();
         points.emplace_back(low + float3{extent.x * x, extent.y * y, extent.z * z},
-                            Receiver(float3{0, 0, 0}));
+                            float3{0, 0, 0});
     }
     return points;
 }
@@ -74,10 +72,10 @@ std::vector<LightBvhPoint> points_or_drawn(const RangedScene& scene,
 /// light that can reach it: the reach at which p_i becomes 1. Ascending.
 std::vector<float> sorted_thresholds(const RangedScene& scene,
                                      const std::vector<std::size_t>& sample,
-                                     const std::vector<LightBvhPoint>& points) {
+                                     const std::vector<Receiver>& points) {
     std::vector<float> thresholds;
     thresholds.reserve(sample.size() * points.size());
-    for (const LightBvhPoint& point : points) {
+    for (const Receiver& point : points) {
         for (const std::size_t i : sample) {
             const float distance = scene.distance(i, point);
             if (distance == RangedScene::kOutOfReach) continue;
@@ -114,23 +112,10 @@ RangedLight ranged(const LightRecord& light) noexcept {
     return {light.center, light.radius, light.intensity};
 }
 
-/// distance: of a record, along a way to it.
-template <typename Distance>
-RangedScene scene_of(const LightTable& table, const Distance& distance) {
-    RangedScene scene{table.frame, {}, [&table, distance](std::size_t i, const LightBvhPoint& x) {
-                          const LightRecord& light = table.records[table.lit[i]];
-                          const Approach way = approach(x.position, light.center);
-                          const bool reaches = importance(light, way, Receiver(x.normal)) > 0.0f;
-                          return reaches ? distance(light, way) : RangedScene::kOutOfReach;
-                      }};
-    for (const std::uint32_t i : table.lit) scene.lights.push_back(ranged(table.records[i]));
-    return scene;
-}
-
 double reach_of_expected_count(const RangedScene& scene, const RangeOptions& options,
                                Span<const ShadingPoint> given, RangeLaw law) {
     const std::vector<std::size_t> sample = sample_lights(scene.lights.size());
-    const std::vector<LightBvhPoint> points = points_or_drawn(scene, given);
+    const std::vector<Receiver> points = points_or_drawn(scene, given);
     std::vector<float> thresholds = sorted_thresholds(scene, sample, points);
     const double per_point = static_cast<double>(points.size()) *
                              static_cast<double>(sample.size()) /
@@ -166,24 +151,20 @@ void check_finite(Span<const ShadingPoint> points) {
 
 }  // namespace
 
+bool reaches(const LightRecord& light, const Approach& way, const Receiver& x) noexcept {
+    return importance(light, way, Receiver(x.position, x.normal)) > 0.0f;
+}
+
 RangedScene ranged_scene(const LightTable& table) {
-    return scene_of(table, [](const LightRecord& light, const Approach& way) {
-        return ranged(light).distance(way);
-    });
-}
-
-RangedScene directed_scene(const LightTable& table) {
-    return scene_of(table, [](const LightRecord& light, const Approach& way) {
-        return DirectedLight(light).distance(way);
-    });
-}
-
-RangedScene ranged_scene(const LightGroups& groups, const Frame& frame) {
-    return {frame, groups.ranged(), [&groups](std::size_t i, const LightBvhPoint& point) {
-                const LightGroup& group = groups.groups[i];
-                if (!(importance(group, point) > 0.0f)) return RangedScene::kOutOfReach;
-                return group.ranged().distance(approach(point.position, group.position()));
-            }};
+    RangedScene scene{table.frame, {}, [&table](std::size_t i, const Receiver& x) {
+                          const LightRecord& light = table.records[table.lit[i]];
+                          const Approach way = approach(x.position, light.center);
+                          return reaches(light, way, x) ? ranged(light).distance(way)
+                                                        : RangedScene::kOutOfReach;
+                      }};
+    scene.lights.reserve(table.lit.size());
+    for (const std::uint32_t i : table.lit) scene.lights.push_back(ranged(table.records[i]));
+    return scene;
 }
 
 float calibrate_reach(const RangedScene& scene, const RangeOptions& options,

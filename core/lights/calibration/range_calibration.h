@@ -7,8 +7,9 @@
 #include <limits>
 #include <vector>
 
-#include "lights/groups/light_groups.h"
+#include "lights/light/importance.h"
 #include "lights/light/light_record.h"
+#include "lights/light/receiver.h"
 #include "lights/ranges/ranges.h"
 
 namespace lightcull {
@@ -19,15 +20,15 @@ struct RangedScene {
     std::vector<RangedLight> lights;  ///< of intensity above 0
     /// From a point to an element of `lights`, as its p takes it; infinite where nothing of it can
     /// reach the point.
-    std::function<float(std::size_t, const LightBvhPoint&)> distance;
+    std::function<float(std::size_t, const Receiver&)> distance;
     static constexpr float kOutOfReach = std::numeric_limits<float>::infinity();
 };
 
-/// What it refers to must outlive it.
+/// The lit lights of a table, which must outlive it.
 RangedScene ranged_scene(const LightTable& table);
-/// With the distances that DirectedLight has.
-RangedScene directed_scene(const LightTable& table);
-RangedScene ranged_scene(const LightGroups& groups, const Frame& frame);
+
+/// Whether a light gives a point anything, visibility aside. way: from one to the other.
+bool reaches(const LightRecord& light, const Approach& way, const Receiver& x) noexcept;
 
 /// The factor by which an intensity is to be multiplied for the square of its range at xi = 1, in
 /// the units of the frame: 1 / alpha_i is reach * intensity. From options.error_bound, or by

@@ -64,8 +64,9 @@ class DirectedCulledSampler final : public DirectedCulledSamplerBase, public Sam
         const std::uint32_t record = lights_->record_of[light];
         if (record == OrderedLights::kNoRecord) return 0.0f;
         const LightRecord& of_light = lights_->records[record];
-        const Approach way = approach(frame_.position(point.position), of_light.center);
-        const float g = importance(of_light, way, Receiver(point));
+        const Receiver receiver(frame_, point);
+        const Approach way = approach(receiver.position, of_light.center);
+        const float g = importance(of_light, way, receiver);
         if (!(g > 0.0f)) return 0.0f;
         const float distance = tree_.light(record).distance(way);
         const bool accepted = tree_.accepts(record, receipt.key, distance);
@@ -89,11 +90,10 @@ class DirectedCulledSampler final : public DirectedCulledSamplerBase, public Sam
     template <typename Visit>
     SelectionCounts for_each_accepted(const ShadingPoint& point, Visit&& visit) const noexcept {
         SelectionCounts counts;
-        const float3 x = frame_.position(point.position);
-        const Receiver receiver(point);
+        const Receiver receiver(frame_, point);
         const auto weigh = [&](std::uint32_t record) {
             ++counts.lights_tested;
-            const Approach way = approach(x, lights_->records[record].center);
+            const Approach way = approach(receiver.position, lights_->records[record].center);
             const float distance = tree_.light(record).distance(way);
             if (!tree_.accepts(record, point.set, distance)) return;
             const float g = importance(lights_->records[record], way, receiver);
@@ -101,11 +101,10 @@ class DirectedCulledSampler final : public DirectedCulledSamplerBase, public Sam
             ++counts.accepted;
             visit(record, g, tree_.inverse_prob(record, distance));
         };
-        counts.nodes_visited = tree_.for_near(LightBvhPoint(x, receiver), point.set,
-                                              [&](Span<const std::uint32_t> records) {
-                                                  for (const std::uint32_t record : records)
-                                                      weigh(record);
-                                              });
+        counts.nodes_visited =
+            tree_.for_near(receiver, point.set, [&](Span<const std::uint32_t> records) {
+                for (const std::uint32_t record : records) weigh(record);
+            });
         return counts;
     }
 

@@ -38,10 +38,10 @@ class InfluenceTree {
     /// Calls visit(Span of records) for whatever may be accepted at a point in `set`, some at a
     /// time, but for what lies below its horizon. Returns the number of nodes read.
     template <typename Visit>
-    std::uint32_t for_near(const LightBvhPoint& point, std::uint32_t set,
+    std::uint32_t for_near(const Receiver& receiver, std::uint32_t set,
                            Visit&& visit) const noexcept {
         const SphereTree& tree = of_set_[set];
-        return traverse(tree, radii_.data() + set * tree.slot_count(), point, visit);
+        return traverse(tree, radii_.data() + set * tree.slot_count(), receiver, visit);
     }
 
     /// Whether p_i > xi_i at a distance as DirectedLight has it.

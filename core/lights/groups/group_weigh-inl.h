@@ -45,14 +45,14 @@ HWY_ATTR HWY_INLINE hn::Vec<D> inverse_probs(D d, hn::Vec<D> distance2, hn::Vec<
     return hn::Max(hn::Mul(hn::Mul(distance, distance), inverse_limit), hn::Set(d, 1.0f));
 }
 
-HWY_ATTR inline float importance(const LightGroup& group, const LightBvhPoint& point) {
+HWY_ATTR inline float importance(const LightGroup& group, const Receiver& receiver) {
     using D = hn::CappedTag<float, 1>;
     const D d;
-    const cluster::OnePoint<D> points{point};
-    const cluster::Ways<D> ways(points, group.center, 0);
-    const auto height = ways.height_over(points);
-    const auto reached = cluster::may_reach(d, group, 0, points, ways, height);
-    const auto g = cluster::mean_importance(d, group, 0, points, ways, height);
+    const ReceiverLanes<D, Receiver> receivers{receiver};
+    const cluster::Ways<D> ways(receivers, group.center, 0);
+    const auto height = ways.height_over(receivers);
+    const auto reached = cluster::may_reach(d, group, 0, receivers, ways, height);
+    const auto g = cluster::mean_importance(d, group, 0, receivers, ways, height);
     return hn::GetLane(hn::IfThenElseZero(reached, g));
 }
 
@@ -74,18 +74,18 @@ struct alignas(64) GroupBlock : ClusterMeans<kBlock> {
 
 /// Adds groups to a choice one after the other.
 HWY_ATTR inline void weigh_block(const RangeTree& tree, GroupBlock& block, std::size_t count,
-                                 const LightBvhPoint& point, std::uint32_t u_bits,
+                                 const Receiver& receiver, std::uint32_t u_bits,
                                  GroupChoice& choice) {
     using D = hn::CappedTag<float, kBlock>;
     const D d;
     const hn::RebindToUnsigned<D> du;
-    const cluster::OnePoint<D> points{point};
+    const ReceiverLanes<D, Receiver> receivers{receiver};
     for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
-        const cluster::Ways<D> ways(points, block.center, i);
-        const auto height = ways.height_over(points);
-        const auto reached = cluster::may_reach(d, block, i, points, ways, height);
+        const cluster::Ways<D> ways(receivers, block.center, i);
+        const auto height = ways.height_over(receivers);
+        const auto reached = cluster::may_reach(d, block, i, receivers, ways, height);
         const auto g = hn::IfThenElseZero(
-            reached, cluster::mean_importance(d, block, i, points, ways, height));
+            reached, cluster::mean_importance(d, block, i, receivers, ways, height));
         const auto limit =
             hn::Max(hn::Mul(hn::Set(d, tree.ranges().reach()), hn::Load(d, block.intensity + i)),
                     hn::Set(d, RandomRanges::kLeastLimit));
@@ -116,7 +116,7 @@ HWY_ATTR inline void weigh_block(const RangeTree& tree, GroupBlock& block, std::
 }
 
 HWY_ATTR inline void weigh(const RangeTree& tree, const LightGroup* groups,
-                           Span<const std::uint32_t> records, const LightBvhPoint& point,
+                           Span<const std::uint32_t> records, const Receiver& receiver,
                            std::uint32_t u_bits, GroupChoice& choice) {
     GroupBlock block;
     for (std::size_t begin = 0; begin < records.size(); begin += kBlock) {
@@ -125,7 +125,7 @@ HWY_ATTR inline void weigh(const RangeTree& tree, const LightGroup* groups,
             block.set(i, groups[records[begin + i]], 0);
             block.records[i] = records[begin + i];
         }
-        weigh_block(tree, block, count, point, u_bits, choice);
+        weigh_block(tree, block, count, receiver, u_bits, choice);
     }
 }
 

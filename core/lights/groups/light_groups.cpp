@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "base/memory_size.h"
-#include "lights/simd/kernels.h"
+#include "lights/groups/group_kernels.h"
 
 namespace lightcull {
 namespace {
@@ -118,8 +118,8 @@ std::size_t LightGroups::memory_size() const noexcept {
            size_of(slots) + size_of(group_of);
 }
 
-float importance(const LightGroup& group, const LightBvhPoint& point) noexcept {
-    return kernels().group_importance(group, point);
+float importance(const LightGroup& group, const Receiver& receiver) noexcept {
+    return group_kernels().importance(group, receiver);
 }
 
 }  // namespace lightcull

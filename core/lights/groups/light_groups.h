@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "lights/bvh/light_bvh.h"
-#include "lights/bvh/light_bvh_descend.h"
 #include "lights/light/light_record.h"
+#include "lights/light/receiver.h"
 #include "lights/ranges/ranges.h"
 
 namespace lightcull {
@@ -49,6 +49,6 @@ LightGroups make_light_groups(const LightTable& table, std::uint32_t max_size);
 std::uint32_t suitable_group_size(std::size_t lights) noexcept;
 
 /// g of [TH16] Eq. 9 of all lights of a group, 0 only where none of them reaches the point.
-float importance(const LightGroup& group, const LightBvhPoint& point) noexcept;
+float importance(const LightGroup& group, const Receiver& receiver) noexcept;
 
 }  // namespace lightcull

@@ -10,8 +10,9 @@
 #include <hwy/highway.h>
 
 #include "lights/bvh/cluster_importance-inl.h"
-#include "lights/bvh/packet_select.h"
 #include "lights/groups/group_weigh-inl.h"
+#include "lights/groups/packet_select.h"
+#include "lights/light/receiver_lanes-inl.h"
 #include "lights/ranges/sphere_tree_walk-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -20,41 +21,41 @@ namespace HWY_NAMESPACE {
 namespace packet {
 namespace hn = hwy::HWY_NAMESPACE;
 
-using Tag = hn::CappedTag<float, PointPacket::kSize>;
+using Tag = hn::CappedTag<float, ReceiverPacket::kSize>;
 using Vec = hn::Vec<Tag>;
 using TagU = hn::RebindToUnsigned<Tag>;
-using Points = cluster::PacketPoints<Tag>;
+using Receivers = ReceiverLanes<Tag, ReceiverPacket>;
 using Ways = cluster::Ways<Tag>;
 
-/// Points of a packet and a slot of a node.
+/// Receivers of a packet and a slot of a node.
 struct Encounter {
-    Points points;
+    Receivers receivers;
     Ways ways;
     Vec height;
 
-    HWY_ATTR Encounter(const PointPacket& packet, std::size_t i, float3 center)
-        : points{packet, i},
-          ways(points, hn::Set(Tag(), center.x), hn::Set(Tag(), center.y),
+    HWY_ATTR Encounter(const ReceiverPacket& packet, std::size_t i, float3 center)
+        : receivers{packet, i},
+          ways(receivers, hn::Set(Tag(), center.x), hn::Set(Tag(), center.y),
                hn::Set(Tag(), center.z)),
-          height(ways.height_over(points)) {}
+          height(ways.height_over(receivers)) {}
 
-    /// Where a point is within the sphere, and what the slot holds is not below its horizon.
+    /// Where a receiver is within the sphere, and what the slot holds is not below its horizon.
     HWY_ATTR hn::Mask<Tag> concerns(float radius, float bounds) const {
         const Tag d;
         const auto above = hn::Gt(hn::Add(height, hn::Set(d, bounds)),
-                                  hn::Mul(hn::Set(d, walk::kHorizonOfNodes), points.horizon()));
+                                  hn::Mul(hn::Set(d, walk::kHorizonOfNodes), receivers.horizon()));
         return hn::And(hn::Le(ways.distance2, hn::Set(d, radius * radius)), above);
     }
 };
 
-/// Adds a group to the reservoirs of those points that are within its range.
+/// Adds a group to the reservoirs of those receivers that are within its range.
 HWY_ATTR inline void weigh(const RangeTree& tree, const LightGroup& group, std::uint32_t record,
-                           const PointPacket& packet, std::size_t i, const Encounter& met,
+                           const PacketRandom& random, std::size_t i, const Encounter& met,
                            hn::Mask<Tag> in_range, PacketChoice& choice) {
     const Tag d;
     const TagU du;
-    const auto reached = cluster::may_reach(d, group, 0, met.points, met.ways, met.height);
-    const Vec g = cluster::mean_importance(d, group, 0, met.points, met.ways, met.height);
+    const auto reached = cluster::may_reach(d, group, 0, met.receivers, met.ways, met.height);
+    const Vec g = cluster::mean_importance(d, group, 0, met.receivers, met.ways, met.height);
     const auto accepted = hn::And(hn::And(in_range, reached), hn::Gt(g, hn::Zero(d)));
     const Vec inverse_limit = hn::Set(d, 1.0f / tree.ranges().limit(group.intensity[0]));
     const Vec inverse_prob =
@@ -63,17 +64,17 @@ HWY_ATTR inline void weigh(const RangeTree& tree, const LightGroup& group, std::
     const Vec sum = hn::Add(hn::Load(d, choice.weight_sum + i), weight);
     hn::Store(sum, d, choice.weight_sum + i);
     const auto records = hn::Set(du, record);
-    const Vec random = groups::random_numbers(d, hn::Load(du, packet.u_bits + i), records);
-    const auto chosen = hn::And(accepted, hn::Lt(hn::Mul(random, sum), weight));
+    const Vec numbers = groups::random_numbers(d, hn::Load(du, random.u_bits + i), records);
+    const auto chosen = hn::And(accepted, hn::Lt(hn::Mul(numbers, sum), weight));
     hn::Store(hn::IfThenElse(chosen, g, hn::Load(d, choice.numerator + i)), d,
               choice.numerator + i);
     hn::Store(hn::IfThenElse(hn::RebindMask(du, chosen), records, hn::Load(du, choice.record + i)),
               du, choice.record + i);
 }
 
-/// Bit s is set if the box of the points reaches into the sphere of slot s.
+/// Bit s is set if the box of the receivers reaches into the sphere of slot s.
 HWY_ATTR inline std::uint32_t slots_near(const SphereNode& node, const float* radii,
-                                         const PointPacket& points) {
+                                         const ReceiverPacket& packet) {
     const hn::CappedTag<float, SphereNode::kWidth> d;
     std::uint32_t bits = 0;
     for (std::size_t slot = 0; slot < SphereNode::kWidth; slot += hn::Lanes(d)) {
@@ -82,9 +83,9 @@ HWY_ATTR inline std::uint32_t slots_near(const SphereNode& node, const float* ra
             return hn::Max(hn::Max(hn::Sub(hn::Set(d, low), c), hn::Sub(c, hn::Set(d, high))),
                            hn::Zero(d));
         };
-        const auto dx = beyond(node.x, points.low.x, points.high.x);
-        const auto dy = beyond(node.y, points.low.y, points.high.y);
-        const auto dz = beyond(node.z, points.low.z, points.high.z);
+        const auto dx = beyond(node.x, packet.low.x, packet.high.x);
+        const auto dy = beyond(node.y, packet.low.y, packet.high.y);
+        const auto dz = beyond(node.z, packet.low.z, packet.high.z);
         const auto distance2 = hn::Add(hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)), hn::Mul(dz, dz));
         const auto r = hn::LoadU(d, radii + slot);
         const auto within = hn::Le(distance2, hn::Mul(r, hn::Abs(r)));
@@ -95,20 +96,21 @@ HWY_ATTR inline std::uint32_t slots_near(const SphereNode& node, const float* ra
     return bits;
 }
 
-/// Whether a slot concerns any of the points. A leaf is weighed for those that it does.
+/// Whether a slot concerns any of the receivers. A leaf is weighed for those that it does.
 HWY_ATTR inline bool visit_slot(const RangeTree& ranged, const LightGroup* groups,
                                 const SphereNode& node, std::uint32_t slot, float radius,
-                                const PointPacket& packet, PacketChoice& choice) {
+                                const ReceiverPacket& packet, const PacketRandom& random,
+                                PacketChoice& choice) {
     const std::uint32_t link = node.link[slot];
     bool any = false;
-    for (std::size_t i = 0; i < PointPacket::kSize; i += hn::Lanes(Tag())) {
+    for (std::size_t i = 0; i < ReceiverPacket::kSize; i += hn::Lanes(Tag())) {
         const Encounter met(packet, i, node.center(slot));
         const auto concerned = met.concerns(radius, node.bounds[slot]);
         if (hn::AllFalse(Tag(), concerned)) continue;
         any = true;
         if ((link & SphereNode::kLeaf) == 0) break;
         const std::uint32_t record = link & ~SphereNode::kLeaf;
-        weigh(ranged, groups[record], record, packet, i, met, concerned, choice);
+        weigh(ranged, groups[record], record, random, i, met, concerned, choice);
     }
     return any;
 }
@@ -121,19 +123,20 @@ HWY_ATTR inline void prefetch(const SphereNode& node, const float* radii) {
 }
 
 HWY_ATTR inline void select_packet(const RangeTree& ranged, const LightGroup* groups,
-                                   const PointPacket& points, PacketChoice& choice) {
+                                   const ReceiverPacket& packet, const PacketRandom& random,
+                                   PacketChoice& choice) {
     const SphereTree& tree = ranged.tree();
-    const float* radii = ranged.radii(points.set);
+    const float* radii = ranged.radii(packet.set);
     constexpr std::size_t kWidth = SphereNode::kWidth;
     const auto read = [&](std::uint32_t n, std::uint32_t* children) HWY_ATTR {
         const SphereNode& node = tree.nodes[n];
         const float* node_radii = radii + n * kWidth;
         std::uint32_t child_count = 0;
-        for (std::uint32_t bits = slots_near(node, node_radii, points); bits != 0;
+        for (std::uint32_t bits = slots_near(node, node_radii, packet); bits != 0;
              bits &= bits - 1) {
             const auto slot = static_cast<std::uint32_t>(hwy::Num0BitsBelowLS1Bit_Nonzero32(bits));
             const float radius = node_radii[slot];
-            if (!visit_slot(ranged, groups, node, slot, radius, points, choice)) continue;
+            if (!visit_slot(ranged, groups, node, slot, radius, packet, random, choice)) continue;
             const std::uint32_t link = node.link[slot];
             if ((link & SphereNode::kLeaf) != 0) continue;
             prefetch(tree.nodes[link], radii + link * kWidth);

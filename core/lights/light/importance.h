@@ -3,10 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include <lightcull/light_sampler.h>
-
 #include "base/float3_math.h"
 #include "lights/light/light_record.h"
+#include "lights/light/receiver.h"
 
 namespace lightcull {
 
@@ -112,24 +111,6 @@ inline constexpr float kHeightSpread = 0.375f;
 /// What rounding the axis to 16 bits may add to a cosine.
 inline constexpr float kAxisRounding = 5e-5f;
 
-/// What a receiver does with light, as the importance takes it.
-struct Receiver {
-    float3 normal;  ///< 0: light from all sides counts alike
-    float diffuse = 1.0f;
-    float3 axis{0, 0, 1};  ///< of the glossy lobe
-    float alpha2 = 1.0f;   ///< the square of its alpha
-    float peak = 0.0f;     ///< 0: diffuse alone, whose albedo then does not matter
-
-    /// Diffuse.
-    Receiver(float3 n) noexcept : normal(n) {}
-    explicit Receiver(const ShadingPoint& point) noexcept
-        : normal(point.normal),
-          diffuse(point.diffuse),
-          axis(point.lobe.axis),
-          alpha2(point.lobe.alpha * point.lobe.alpha),
-          peak(point.lobe.peak) {}
-};
-
 /// The mean over a light of a GlossyLobe: in its formula alpha^2 grows by what the light's spread
 /// adds to the mean of (1 - c) / 2, and the peak falls so that the lobe holds as much as before.
 inline float mean_of_lobe(float peak, float alpha2, float cosine, float angular_spread) noexcept {
@@ -156,7 +137,7 @@ inline float importance(const LightRecord& light, const Approach& way,
         if (height + light.radius <= 0.0f) return 0.0f;
         received = mean_above(height, kHeightSpread * spread) * inverse;
     }
-    if (receiver.peak > 0.0f) {
+    if (receiver.has_lobe()) {
         const float cosine = dot(receiver.axis, way.way) * inverse;
         received = receiver.diffuse * received +
                    mean_of_lobe(receiver.peak, receiver.alpha2, cosine, spread * inverse * inverse);

@@ -4,7 +4,7 @@
 
 #include "base/memory_size.h"
 #include "base/parallel_blocks.h"
-#include "lights/simd/kernels.h"
+#include "lights/ranges/range_kernels.h"
 
 namespace lightcull {
 namespace {
@@ -48,7 +48,7 @@ void RangeTree::refit(std::uint32_t first_set, std::uint32_t set_count, float* a
     const Refit job{
         tree(), ranges_, first_set, set_count, radii_.data() + first_set * tree().slot_count(),
         around};
-    const auto refit_nodes = kernels().refit_nodes;
+    const auto refit_nodes = range_kernels().refit_nodes;
     const std::vector<RefitOrder::Part>& parts = topology_->refit_order.side_by_side;
     for_each_block(parts.size(), 1, [&](std::size_t i, std::size_t) {
         refit_nodes(job, parts[i].begin, parts[i].end);

@@ -44,9 +44,9 @@ class RangeTree {
     /// Calls visit(Span of records) for whatever is accepted at a point in `set`, some at a time,
     /// but for what lies below its horizon. Returns the number of nodes read.
     template <typename Visit>
-    std::uint32_t for_accepted(const LightBvhPoint& point, std::uint32_t set,
+    std::uint32_t for_accepted(const Receiver& receiver, std::uint32_t set,
                                Visit&& visit) const noexcept {
-        return traverse(tree(), radii(set), point, visit);
+        return traverse(tree(), radii(set), receiver, visit);
     }
 
     /// Whether a range covers the point: to the bit what for_accepted() finds.

@@ -23,24 +23,24 @@ constexpr float kHorizonOfNodes = 2.0f;
 /// point's horizon.
 template <class D>
 HWY_ATTR HWY_INLINE hn::Mask<D> concerns(D d, const SphereNode& node, const float* radii,
-                                         std::size_t slot, const LightBvhPoint& point) {
-    const auto dx = hn::Sub(hn::Load(d, node.x + slot), hn::Set(d, point.position.x));
-    const auto dy = hn::Sub(hn::Load(d, node.y + slot), hn::Set(d, point.position.y));
-    const auto dz = hn::Sub(hn::Load(d, node.z + slot), hn::Set(d, point.position.z));
+                                         std::size_t slot, const Receiver& receiver) {
+    const auto dx = hn::Sub(hn::Load(d, node.x + slot), hn::Set(d, receiver.position.x));
+    const auto dy = hn::Sub(hn::Load(d, node.y + slot), hn::Set(d, receiver.position.y));
+    const auto dz = hn::Sub(hn::Load(d, node.z + slot), hn::Set(d, receiver.position.z));
     const auto distance2 = hn::Add(hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)), hn::Mul(dz, dz));
     const auto r = hn::LoadU(d, radii + slot);
     // r |r|: the radius of an empty slot is negative.
     const auto within = hn::Le(distance2, hn::Mul(r, hn::Abs(r)));
-    const auto height = hn::Add(
-        hn::Add(hn::Mul(dx, hn::Set(d, point.normal.x)), hn::Mul(dy, hn::Set(d, point.normal.y))),
-        hn::Mul(dz, hn::Set(d, point.normal.z)));
+    const auto height = hn::Add(hn::Add(hn::Mul(dx, hn::Set(d, receiver.normal.x)),
+                                        hn::Mul(dy, hn::Set(d, receiver.normal.y))),
+                                hn::Mul(dz, hn::Set(d, receiver.normal.z)));
     const auto above = hn::Gt(hn::Add(height, hn::Load(d, node.bounds + slot)),
-                              hn::Set(d, kHorizonOfNodes * point.horizon));
+                              hn::Set(d, kHorizonOfNodes * receiver.horizon));
     return hn::And(within, above);
 }
 
 HWY_ATTR inline void find_leaves(const SphereTree& tree, const float* radii,
-                                 const LightBvhPoint& point, TreeWalk& walk, FoundLeaves& found) {
+                                 const Receiver& receiver, TreeWalk& walk, FoundLeaves& found) {
     constexpr std::size_t kWidth = SphereNode::kWidth;
     const hn::CappedTag<float, kWidth> d;
     const hn::RebindToUnsigned<decltype(d)> du;
@@ -55,7 +55,7 @@ HWY_ATTR inline void find_leaves(const SphereTree& tree, const float* radii,
         // Without a branch for each slot: which of them hold the point cannot be predicted.
         for (std::size_t slot = 0; slot < kWidth; slot += hn::Lanes(d)) {
             const auto link = hn::Load(du, node.link + slot);
-            const auto inside = hn::RebindMask(du, concerns(d, node, node_radii, slot, point));
+            const auto inside = hn::RebindMask(du, concerns(d, node, node_radii, slot, receiver));
             const auto leaf = hn::TestBit(link, leaf_bit);
             const auto leaves = hn::And(inside, leaf), nodes = hn::AndNot(leaf, inside);
             hn::StoreU(hn::Compress(hn::AndNot(leaf_bit, link), leaves), du, found.records + count);

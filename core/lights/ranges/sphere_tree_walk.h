@@ -2,8 +2,8 @@
 
 #include <cassert>
 
+#include "lights/ranges/range_kernels.h"
 #include "lights/ranges/sphere_tree.h"
-#include "lights/simd/kernels.h"
 
 namespace lightcull {
 
@@ -62,13 +62,13 @@ struct FoundLeaves {
 /// Calls visit(Span of records) for the leaves whose spheres hold the point and whose lights may be
 /// above its horizon, some at a time. Returns the number of nodes read.
 template <typename Visit>
-std::uint32_t traverse(const SphereTree& tree, const float* radii, const LightBvhPoint& point,
+std::uint32_t traverse(const SphereTree& tree, const float* radii, const Receiver& receiver,
                        Visit&& visit) noexcept {
-    const auto find_leaves = kernels().find_leaves;
+    const auto find_leaves = range_kernels().find_leaves;
     TreeWalk walk(tree);
     FoundLeaves found;
     while (!walk.over()) {
-        find_leaves(tree, radii, point, walk, found);
+        find_leaves(tree, radii, receiver, walk, found);
         visit(found.all());
     }
     return found.nodes_visited;

@@ -10,14 +10,18 @@
 #include <vector>
 
 #include "base/parallel_blocks.h"
+#include "base/refine.h"
 #include "base/reservoir.h"
+#include "lights/bvh/light_bvh_kernels.h"
 #include "lights/calibration/range_calibration.h"
+#include "lights/glossy/directed_calibration.h"
 #include "lights/glossy/directed_culled_sampler.h"
+#include "lights/groups/group_calibration.h"
+#include "lights/groups/group_kernels.h"
 #include "lights/ranges/set_count.h"
 #include "lights/samplers/culled_scene.h"
 #include "lights/samplers/make_samplers.h"
 #include "lights/samplers/point_order.h"
-#include "lights/simd/kernels.h"
 
 namespace lightcull {
 namespace {
@@ -89,16 +93,15 @@ class CulledSampler final : public CulledSamplerBase, public SamplerInfo {
     }
 
     Selection select(const ShadingPoint& point, float u) const noexcept override {
-        const LightBvhPoint x = to_local(point);
+        const Receiver x = to_local(point);
         GroupChoice choice;
         tree_.for_accepted(x, point.set, [&](Span<const std::uint32_t> records) {
-            kernels().weigh_groups(tree_, groups_->groups.data(), records, x, float_bits(u),
-                                   choice);
+            group_kernels().weigh(tree_, groups_->groups.data(), records, x, float_bits(u), choice);
         });
         LightBvhDescent descent;
-        descent.point = x;
+        descent.receiver = x;
         start(choice, u, descent);
-        kernels().means.descend(groups_->bvh, {&descent, 1});
+        light_bvh_kernels<MeansNode>().descend(groups_->bvh, {&descent, 1});
         return result(descent, receipt_of(point.set, choice, x));
     }
 
@@ -106,7 +109,7 @@ class CulledSampler final : public CulledSamplerBase, public SamplerInfo {
     void select(Span<const ShadingPoint> points, Span<const float> u,
                 Span<Selection> selections) const override {
         const std::vector<std::uint32_t> order = order_points(points, set_count());
-        constexpr std::size_t kBlock = 16 * PointPacket::kSize;
+        constexpr std::size_t kBlock = 16 * ReceiverPacket::kSize;
         for_each_block(points.size(), kBlock, [&](std::size_t begin, std::size_t end) {
             while (begin < end) {
                 begin += select_some({order.data() + begin, end - begin}, points, u, selections);
@@ -121,7 +124,7 @@ class CulledSampler final : public CulledSamplerBase, public SamplerInfo {
         const std::uint32_t index = groups_->group_of[light];
         if (index == LightGroups::kNoGroup) return 0.0f;
         const LightGroup& group = groups_->groups[index];
-        const LightBvhPoint x = to_local(point);
+        const Receiver x = to_local(point);
         const float g = importance(group, x);
         const Approach way = approach(x.position, group.position());
         const bool accepted = g > 0.0f && tree_.accepts(index, receipt.key, way);
@@ -138,7 +141,7 @@ class CulledSampler final : public CulledSamplerBase, public SamplerInfo {
     std::uint32_t set_count() const noexcept override { return tree_.ranges().set_count(); }
 
     SelectionCounts count(const ShadingPoint& point) const noexcept override {
-        const LightBvhPoint x = to_local(point);
+        const Receiver x = to_local(point);
         SelectionCounts counts;
         counts.nodes_visited =
             tree_.for_accepted(x, point.set, [&](Span<const std::uint32_t> records) {
@@ -155,24 +158,22 @@ class CulledSampler final : public CulledSamplerBase, public SamplerInfo {
     }
 
   private:
-    LightBvhPoint to_local(const ShadingPoint& point) const noexcept {
-        return {frame_.position(point.position), Receiver(point)};
-    }
+    Receiver to_local(const ShadingPoint& point) const noexcept { return {frame_, point}; }
 
     static bool is_alone(const Receipt& receipt) noexcept { return receipt.weight_sum < 0.0f; }
 
     /// Of a light in a group of that probability.
-    float prob_of_light(const LightBvhPoint& x, const LightGroup& group, std::uint32_t light,
+    float prob_of_light(const Receiver& x, const LightGroup& group, std::uint32_t light,
                         double prob_of_group) const noexcept {
         const bool alone = (group.child[0] & LightBvhNode::kLight) != 0;
         if (alone) return static_cast<float>(prob_of_group);
         const LightBvhSlot slot = groups_->bvh.slots[light];
         return static_cast<float>(
-            kernels().means.prob_of_slot(groups_->bvh, x, slot, prob_of_group));
+            light_bvh_kernels<MeansNode>().prob_of_slot(groups_->bvh, x, slot, prob_of_group));
     }
 
     /// Of a light where no group is accepted, or its own alone.
-    float prob_without_others(const LightBvhPoint& x, std::uint32_t index,
+    float prob_without_others(const Receiver& x, std::uint32_t index,
                               std::uint32_t light) const noexcept {
         const LightGroup& group = groups_->groups[index];
         const Approach way = approach(x.position, group.position());
@@ -180,7 +181,8 @@ class CulledSampler final : public CulledSamplerBase, public SamplerInfo {
         if (importance(group, x) > 0.0f) {
             p = 1.0 / static_cast<double>(tree_.inverse_prob(index, way));
         }
-        const double q = kernels().means.prob_of_slot(groups_->bvh, x, groups_->slots[index], 1.0);
+        const double q = light_bvh_kernels<MeansNode>().prob_of_slot(groups_->bvh, x,
+                                                                     groups_->slots[index], 1.0);
         return prob_of_light(x, group, light, p + (1.0 - p) * q);
     }
 
@@ -203,14 +205,14 @@ class CulledSampler final : public CulledSamplerBase, public SamplerInfo {
     /// With the weight of a group that was accepted alone negative, unless its p is 1, which makes
     /// no difference.
     Receipt receipt_of(std::uint32_t set, const GroupChoice& choice,
-                       const LightBvhPoint& x) const noexcept {
+                       const Receiver& x) const noexcept {
         const bool alone = may_be_alone(choice, x) && accepted_count(x, set) == 1;
         return {alone ? -choice.weight_sum : choice.weight_sum, set};
     }
 
     /// Whether the weight of the chosen group is the sum of all. Others may have been accepted and
     /// yet be too light to change it.
-    bool may_be_alone(const GroupChoice& choice, const LightBvhPoint& x) const noexcept {
+    bool may_be_alone(const GroupChoice& choice, const Receiver& x) const noexcept {
         const float g = choice.numerator, sum = choice.weight_sum;
         if (!(g < sum)) return false;
         const LightGroup& group = groups_->groups[choice.record];
@@ -222,7 +224,7 @@ class CulledSampler final : public CulledSamplerBase, public SamplerInfo {
         return g * tree_.inverse_prob(choice.record, way) == sum;
     }
 
-    std::uint32_t accepted_count(const LightBvhPoint& x, std::uint32_t set) const noexcept {
+    std::uint32_t accepted_count(const Receiver& x, std::uint32_t set) const noexcept {
         std::uint32_t count = 0;
         tree_.for_accepted(x, set, [&](Span<const std::uint32_t> records) {
             for (const std::uint32_t record : records) {
@@ -238,7 +240,7 @@ class CulledSampler final : public CulledSamplerBase, public SamplerInfo {
         const float prob =
             receipt.weight_sum > 0.0f
                 ? static_cast<float>(descent.prob)
-                : prob_without_others(descent.point, groups_->group_of[light], light);
+                : prob_without_others(descent.receiver, groups_->group_of[light], light);
         return {light, prob, prob, receipt};
     }
 
@@ -246,29 +248,32 @@ class CulledSampler final : public CulledSamplerBase, public SamplerInfo {
     std::size_t select_some(Span<const std::uint32_t> order, Span<const ShadingPoint> points,
                             Span<const float> u, Span<Selection> selections) const noexcept {
         const std::uint32_t set = points[order[0]].set;
-        PacketBuilder builder(set);
-        std::array<LightBvhDescent, PointPacket::kSize> descents;
+        ReceiverPacket receivers(set);
+        PacketRandom random;
+        std::array<LightBvhDescent, ReceiverPacket::kSize> descents;
         std::size_t count = 0;
-        while (count < std::min(order.size(), PointPacket::kSize) &&
+        while (count < std::min(order.size(), ReceiverPacket::kSize) &&
                points[order[count]].set == set) {
             const std::uint32_t i = order[count];
-            descents[count].point = to_local(points[i]);
-            builder.add(descents[count++].point, u[i]);
+            descents[count].receiver = to_local(points[i]);
+            receivers.put(count, descents[count].receiver);
+            random.u_bits[count++] = float_bits(u[i]);
         }
-        while (builder.size() < PointPacket::kSize) {
-            builder.add(descents[0].point, u[order[0]]);  // to fill it
+        for (std::size_t i = count; i < ReceiverPacket::kSize; ++i) {  // to fill it
+            receivers.put(i, descents[0].receiver);
+            random.u_bits[i] = random.u_bits[0];
         }
-        const std::size_t next = std::min(order.size() - count, PointPacket::kSize);
+        const std::size_t next = std::min(order.size() - count, ReceiverPacket::kSize);
         prefetch({order.data() + count, next}, points, u, selections);
         PacketChoice packet{};
-        kernels().select_packet(tree_, groups_->groups.data(), builder.packet(), packet);
-        std::array<Receipt, PointPacket::kSize> receipts;
+        group_kernels().select_packet(tree_, groups_->groups.data(), receivers, random, packet);
+        std::array<Receipt, ReceiverPacket::kSize> receipts;
         for (std::size_t i = 0; i < count; ++i) {
             const GroupChoice choice{packet.weight_sum[i], packet.numerator[i], packet.record[i]};
-            receipts[i] = receipt_of(set, choice, descents[i].point);
+            receipts[i] = receipt_of(set, choice, descents[i].receiver);
             start(choice, u[order[i]], descents[i]);
         }
-        kernels().means.descend(groups_->bvh, {descents.data(), count});
+        light_bvh_kernels<MeansNode>().descend(groups_->bvh, {descents.data(), count});
         for (std::size_t i = 0; i < count; ++i) {
             selections[order[i]] = result(descents[i], receipts[i]);
         }

@@ -16,10 +16,10 @@ class ExhaustiveSampler final : public PasslessSampler<ExhaustiveSampler> {
     using LightSampler::select;
 
     Selection select(const ShadingPoint& point, float u) const noexcept override {
-        const float3 x = table_->frame.position(point.position);
+        const Receiver receiver(table_->frame, point);
         Reservoir reservoir(u);
         for (const std::uint32_t i : table_->lit) {
-            const float g = importance_at(x, Receiver(point), i);
+            const float g = importance_at(receiver, i);
             if (g > 0.0f) reservoir.add(i, g, g);
         }
         if (!reservoir.chosen()) return {};
@@ -29,8 +29,8 @@ class ExhaustiveSampler final : public PasslessSampler<ExhaustiveSampler> {
 
     float prob(const ShadingPoint& point, const Receipt& receipt,
                std::uint32_t light) const noexcept override {
-        const float3 x = table_->frame.position(point.position);
-        const float g = importance_at(x, Receiver(point), light);
+        const Receiver receiver(table_->frame, point);
+        const float g = importance_at(receiver, light);
         return g > 0.0f ? g / receipt.weight_sum : 0.0f;
     }
 
@@ -41,11 +41,11 @@ class ExhaustiveSampler final : public PasslessSampler<ExhaustiveSampler> {
     }
 
     SelectionCounts count(const ShadingPoint& point) const noexcept override {
-        const float3 x = table_->frame.position(point.position);
+        const Receiver receiver(table_->frame, point);
         SelectionCounts counts;
         counts.lights_tested = static_cast<std::uint32_t>(table_->lit.size());
         for (const std::uint32_t i : table_->lit) {
-            if (importance_at(x, Receiver(point), i) > 0.0f) ++counts.accepted;
+            if (importance_at(receiver, i) > 0.0f) ++counts.accepted;
         }
         return counts;
     }
@@ -55,9 +55,9 @@ class ExhaustiveSampler final : public PasslessSampler<ExhaustiveSampler> {
     }
 
   private:
-    float importance_at(float3 x, const Receiver& receiver, std::uint32_t i) const noexcept {
+    float importance_at(const Receiver& receiver, std::uint32_t i) const noexcept {
         const LightRecord& light = table_->records[i];
-        return importance(light, approach(x, light.center), receiver);
+        return importance(light, approach(receiver.position, light.center), receiver);
     }
 
     std::shared_ptr<const LightTable> table_;

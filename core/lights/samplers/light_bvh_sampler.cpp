@@ -6,9 +6,9 @@
 #include "base/refine.h"
 #include "lights/bvh/light_bvh.h"
 #include "lights/bvh/light_bvh_descend.h"
+#include "lights/bvh/light_bvh_kernels.h"
 #include "lights/samplers/make_samplers.h"
 #include "lights/samplers/passless_sampler.h"
-#include "lights/simd/kernels.h"
 
 namespace lightcull {
 namespace {
@@ -24,7 +24,7 @@ class LightBvhSampler final : public PasslessSampler<LightBvhSampler<Node>> {
     Selection select(const ShadingPoint& point, float u) const noexcept override {
         if (bvh_->nodes.empty()) return {};
         LightBvhDescent descent{to_local(point), refine(u, point)};
-        of_bvh().descend(*bvh_, {&descent, 1});
+        light_bvh_kernels<Node>().descend(*bvh_, {&descent, 1});
         return result(descent);
     }
 
@@ -46,8 +46,8 @@ class LightBvhSampler final : public PasslessSampler<LightBvhSampler<Node>> {
 
     float prob(const ShadingPoint& point, const Receipt&,
                std::uint32_t light) const noexcept override {
-        return static_cast<float>(
-            of_bvh().prob_of_slot(*bvh_, to_local(point), bvh_->slots[light], 1.0));
+        return static_cast<float>(light_bvh_kernels<Node>().prob_of_slot(*bvh_, to_local(point),
+                                                                         bvh_->slots[light], 1.0));
     }
     bool needs_receipt() const noexcept override { return false; }
 
@@ -75,12 +75,12 @@ class LightBvhSampler final : public PasslessSampler<LightBvhSampler<Node>> {
         SelectionCounts counts;
         if (bvh_->nodes.empty()) return counts;
         LightBvhDescent descent{to_local(point), refine(0.5f, point)};
-        of_bvh().descend(*bvh_, {&descent, 1});
+        light_bvh_kernels<Node>().descend(*bvh_, {&descent, 1});
         const std::uint32_t last = descent.prob > 0.0
                                        ? bvh_->slots[result(descent).light] / LightBvhNode::kWidth
                                        : descent.child;
         for (std::uint32_t node = last;; node = bvh_->parents[node] / LightBvhNode::kWidth) {
-            add(bvh_->nodes[node], descent.point, counts);
+            add(bvh_->nodes[node], descent.receiver, counts);
             if (node == 0) return counts;
         }
     }
@@ -90,8 +90,6 @@ class LightBvhSampler final : public PasslessSampler<LightBvhSampler<Node>> {
     }
 
   private:
-    static const LightBvhKernels<Node>& of_bvh() noexcept { return kernels().of_bvh<Node>(); }
-
     /// At most kMaxDescents points, in turn, so that one waits for memory while others compute.
     void select_some(Span<const ShadingPoint> points, const float* u,
                      Selection* selections) const noexcept {
@@ -99,19 +97,16 @@ class LightBvhSampler final : public PasslessSampler<LightBvhSampler<Node>> {
         for (std::size_t i = 0; i < points.size(); ++i) {
             descents[i] = {to_local(points[i]), refine(u[i], points[i])};
         }
-        of_bvh().descend(*bvh_, {descents.data(), points.size()});
+        light_bvh_kernels<Node>().descend(*bvh_, {descents.data(), points.size()});
         for (std::size_t i = 0; i < points.size(); ++i) selections[i] = result(descents[i]);
     }
 
-    LightBvhPoint to_local(const ShadingPoint& point) const noexcept {
-        return {frame_.position(point.position), Receiver(point)};
-    }
+    Receiver to_local(const ShadingPoint& point) const noexcept { return Receiver(frame_, point); }
 
-    static void add(const Node& node, const LightBvhPoint& point,
-                    SelectionCounts& counts) noexcept {
+    static void add(const Node& node, const Receiver& receiver, SelectionCounts& counts) noexcept {
         ++counts.nodes_visited;
         LightBvhImportances all;
-        of_bvh().importances(node, point, all.of);
+        light_bvh_kernels<Node>().importances(node, receiver, all.of);
         for (std::size_t i = 0; i < LightBvhNode::kWidth; ++i) {
             if (node.child[i] == LightBvhNode::kEmpty) continue;
             ++counts.lights_tested;

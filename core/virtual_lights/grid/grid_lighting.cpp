@@ -53,8 +53,8 @@ class GridTile {
 
     V3f sum(const Surface& surface) {
         V3f total(0.0f);
-        const LightBvhPoint point(to_float3(surface.position), Receiver(to_float3(surface.normal)));
-        finder_.for_each(point, [&](std::uint32_t number, GridFinder::Found found) {
+        const Receiver receiver(to_float3(surface.position), to_float3(surface.normal));
+        finder_.for_each(receiver, [&](std::uint32_t number, GridFinder::Found found) {
             ++counts_.listed;
             const V3f value = contribution(surface, found);
             const float weight = luminance(value);

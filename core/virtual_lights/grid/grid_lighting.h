@@ -29,8 +29,8 @@ class GridFinder {
 
     /// Calls visit(number, found) for them.
     template <typename Visit>
-    void for_each(const LightBvhPoint& point, Visit&& visit) const noexcept {
-        tree_->for_accepted(point, 0, [&](Span<const std::uint32_t> records) {
+    void for_each(const Receiver& receiver, Visit&& visit) const noexcept {
+        tree_->for_accepted(receiver, 0, [&](Span<const std::uint32_t> records) {
             for (const std::uint32_t record : records) {
                 const std::uint32_t number = tree_->tree().order[record];
                 visit(number, found_[number]);

@@ -9,9 +9,9 @@ namespace {
 constexpr std::uint32_t kPoints = 128;
 
 /// Whether the light shines at a point, above the point's horizon.
-bool reaches(const VirtualLight& light, const LightBvhPoint& point) noexcept {
-    const V3f way = light.position - to_v3f(point.position);
-    const V3f normal = to_v3f(point.normal);
+bool reaches(const VirtualLight& light, const Receiver& receiver) noexcept {
+    const V3f way = light.position - to_v3f(receiver.position);
+    const V3f normal = to_v3f(receiver.normal);
     return light.normal.dot(way) < 0.0f && normal.dot(way) > 0.0f;
 }
 
@@ -20,9 +20,9 @@ bool reaches(const VirtualLight& light, const LightBvhPoint& point) noexcept {
 float calibrate_reach(const std::vector<VirtualLight>& lights, const VirtualLightOptions& options,
                       const Scene& scene, const RenderSettings& settings) {
     const Frame metres;
-    RangedScene ranged{metres, {}, [&](std::size_t i, const LightBvhPoint& point) {
-                           if (!reaches(lights[i], point)) return RangedScene::kOutOfReach;
-                           return (lights[i].position - to_v3f(point.position)).length();
+    RangedScene ranged{metres, {}, [&](std::size_t i, const Receiver& receiver) {
+                           if (!reaches(lights[i], receiver)) return RangedScene::kOutOfReach;
+                           return (lights[i].position - to_v3f(receiver.position)).length();
                        }};
     ranged.lights.reserve(lights.size());
     for (const VirtualLight& light : lights) {

@@ -208,7 +208,7 @@ TEST_CASE("grid: a point finds every light that gives it something") {
         if (room.view.hit[pixel] == 0) continue;
         const Surface& surface = room.view.surfaces[pixel];
         std::vector<int> times(finder.count(), 0);
-        finder.for_each({to_float3(surface.position), Receiver(to_float3(surface.normal))},
+        finder.for_each({to_float3(surface.position), to_float3(surface.normal)},
                         [&](std::uint32_t number, GridFinder::Found) {
                             ++times[number];
                             ++found;

@@ -15,8 +15,8 @@
 #include "lights/bvh/light_bvh.h"
 #include "lights/bvh/light_bvh_cluster.h"
 #include "lights/bvh/light_bvh_descend.h"
+#include "lights/bvh/light_bvh_kernels.h"
 #include "lights/light/importance.h"
-#include "lights/simd/kernels.h"
 #include "unit/lights/light/importance_bound.h"
 #include "unit/test_lights.h"
 
@@ -64,14 +64,14 @@ constexpr LightBvhOptions kOptions{ClusterImportance::kMeans};
 template <>
 constexpr LightBvhOptions kOptions<BoundsNode>{ClusterImportance::kBounds};
 
-LightBvhPoint local(const LightTable& table, const ShadingPoint& point) {
-    return {table.frame.position(point.position), Receiver(point)};
+Receiver local(const LightTable& table, const ShadingPoint& point) {
+    return {table.frame, point};
 }
 
 template <typename Node>
-LightBvhImportances importances(const Node& node, const LightBvhPoint& point) {
+LightBvhImportances importances(const Node& node, const Receiver& point) {
     LightBvhImportances result;
-    kernels().of_bvh<Node>().importances(node, point, result.of);
+    light_bvh_kernels<Node>().importances(node, point, result.of);
     return result;
 }
 
@@ -82,11 +82,11 @@ struct AllProbs {
     double lost = 0.0;
 
     template <typename Node>
-    AllProbs(const LightBvh<Node>& bvh, const LightBvhPoint& point) : of(bvh.slots.size()) {
+    AllProbs(const LightBvh<Node>& bvh, const Receiver& point) : of(bvh.slots.size()) {
         if (!bvh.nodes.empty()) walk(bvh, point, 0, 1.0);
     }
     template <typename Node>
-    void walk(const LightBvh<Node>& bvh, const LightBvhPoint& point, std::uint32_t n, double prob) {
+    void walk(const LightBvh<Node>& bvh, const Receiver& point, std::uint32_t n, double prob) {
         const Node& node = bvh.nodes[n];
         const LightBvhImportances all = importances(node, point);
         const double sum = std::accumulate(all.of, all.of + kWidth, 0.0);
@@ -171,7 +171,7 @@ struct PublishedImportance {
     double low, high;
     bool inside;
 
-    PublishedImportance(const BoundsNode& node, std::size_t i, const LightBvhPoint& point) {
+    PublishedImportance(const BoundsNode& node, std::size_t i, const Receiver& point) {
         const float3 way =
             float3{node.center[0][i], node.center[1][i], node.center[2][i]} - point.position;
         const double distance = std::sqrt(static_cast<double>(dot(way, way)));
@@ -473,10 +473,10 @@ TEST_CASE_TEMPLATE(
     }
     int reached = 0, not_reached = 0;
     for (const ShadingPoint& point : points) {
-        const float3 x = table.frame.position(point.position);
+        const Receiver receiver(table.frame.position(point.position), point.normal);
         for (std::uint32_t i = 0; i < lights.size(); ++i) {
             const LightRecord& light = table.records[i];
-            const Approach way = approach(x, light.center);
+            const Approach way = approach(receiver.position, light.center);
             const float prob = sampler->prob(point, {}, i);
             // Within these margins of a light's horizon, or of the point's, either may be right.
             LightRecord narrower = light, wider = light;
@@ -484,14 +484,14 @@ TEST_CASE_TEMPLATE(
                 static_cast<std::int16_t>(std::min(light.cos_theta_e + 20, 32767));
             wider.radius += 0.02f * way.distance;
             const float peak = light.intensity / way.distance2;
-            if (importance(narrower, way, point.normal) > 1e-4f * peak) {
+            if (importance(narrower, way, receiver) > 1e-4f * peak) {
                 ++reached;
                 REQUIRE(prob > 0.0f);
             }
             // Bounds do not know that a flat light lies in a plane.
             const bool possible = std::is_same_v<Node, BoundsNode>
                                       ? importance_bound(wider, way, point.normal) > 0.0f
-                                      : importance(wider, way, point.normal) > 0.0f;
+                                      : importance(wider, way, receiver) > 0.0f;
             if (!possible) {
                 ++not_reached;
                 REQUIRE(prob == 0.0f);
@@ -532,8 +532,8 @@ TEST_CASE("light bvh: by means, lights of one node are chosen in proportion to i
         float sum = 0.0f, shares[3];
         for (std::uint32_t i = 0; i < 3; ++i) {
             const LightRecord& light = table.records[i];
-            shares[i] =
-                importance(light, approach(table.frame.position(x), light.center), float3{0, 0, 0});
+            const Receiver receiver(table.frame.position(x), float3{0, 0, 0});
+            shares[i] = importance(light, approach(receiver.position, light.center), receiver);
             sum += shares[i];
         }
         for (std::uint32_t i = 0; i < 3; ++i) {
@@ -550,8 +550,7 @@ TEST_CASE("light bvh: by bounds, importance is what the paper's formula gives") 
     const LightBvh<BoundsNode> bvh = build_light_bvh<BoundsNode>(table);
     int above_zero = 0, zero = 0, inside = 0;
     for (const ShadingPoint& shading_point : mixed_points(200, 29, 1)) {
-        const LightBvhPoint point(table.frame.position(shading_point.position),
-                                  shading_point.normal);
+        const Receiver point(table.frame.position(shading_point.position), shading_point.normal);
         for (const BoundsNode& node : bvh.nodes) {
             const LightBvhImportances all = importances(node, point);
             for (std::size_t i = 0; i < kWidth; ++i) {
@@ -577,7 +576,7 @@ TEST_CASE_TEMPLATE("light bvh: the least and the greatest u choose lights that r
         const AllProbs all(bvh, local(table, point));
         for (const double u : {0.0, 1e-300, 0x1p-53, 0.5, 1.0 - 0x1p-53}) {
             LightBvhDescent descent{local(table, point), u};
-            kernels().of_bvh<Node>().descend(bvh, {&descent, 1});
+            light_bvh_kernels<Node>().descend(bvh, {&descent, 1});
             REQUIRE(descent.place >= 0.0);
             REQUIRE(descent.place < 1.0);
             if (is_light(descent.child)) {
@@ -619,7 +618,7 @@ TEST_CASE_TEMPLATE("light bvh: all instruction sets choose alike, to the bit", N
         for (std::size_t i = 0; i < points.size(); ++i) {
             descents.push_back(
                 {local(table, points[i]), static_cast<double>(uniform_float(hash(i, 21)))});
-            kernels().of_bvh<Node>().descend(bvh, {&descents[i], 1});
+            light_bvh_kernels<Node>().descend(bvh, {&descents[i], 1});
         }
         return descents;
     };

@@ -76,16 +76,15 @@ struct Sets {
 /// The records that are accepted at a point and reach it: by the tree, and by asking all of them.
 Sets accepted(const InfluenceTree& tree, const std::vector<LightRecord>& records,
               const Frame& frame, const ShadingPoint& point) {
-    const float3 x = frame.position(point.position);
-    const Receiver receiver(point);
+    const Receiver receiver(frame, point);
     const auto is_accepted = [&](std::uint32_t record) {
         const LightRecord& light = records[tree.order()[record]];
-        const Approach way = approach(x, light.center);
+        const Approach way = approach(receiver.position, light.center);
         return tree.accepts(record, point.set, tree.light(record).distance(way)) &&
                importance(light, way, receiver) > 0.0f;
     };
     Sets sets;
-    tree.for_near(LightBvhPoint(x, receiver), point.set, [&](Span<const std::uint32_t> near) {
+    tree.for_near(receiver, point.set, [&](Span<const std::uint32_t> near) {
         for (const std::uint32_t record : near) {
             ++sets.found;
             if (is_accepted(record)) sets.of_tree.push_back(record);
@@ -101,12 +100,13 @@ Sets accepted(const InfluenceTree& tree, const std::vector<LightRecord>& records
 /// What every light gives a point: its importance, times a factor of its own.
 std::vector<double> contributions(const std::vector<Light>& lights, const ShadingPoint& point) {
     const LightTable table = make_light_table(lights);
+    const Receiver receiver(table.frame, point);
     std::vector<double> values(lights.size(), 0.0);
     for (const std::uint32_t i : table.lit) {
         const LightRecord& light = table.records[i];
-        const Approach way = approach(table.frame.position(point.position), light.center);
+        const Approach way = approach(receiver.position, light.center);
         const double factor = 0.5 + static_cast<double>(uniform_float(hash(i, 3)));
-        values[i] = factor * static_cast<double>(importance(light, way, Receiver(point)));
+        values[i] = factor * static_cast<double>(importance(light, way, receiver));
     }
     return values;
 }
@@ -221,10 +221,11 @@ TEST_CASE("the distance of a glossy point is that of its spheroid, of a diffuse 
             const double c = static_cast<double>(dot(w, axis));
             // [TH17] Eq. 12, of the distance to the light.
             const double fall_off = 1.0 + 0.5 * (1.0 - c) * (1.0 / a2 - 1.0);
-            const Approach way = approach(w * 3.0f, {0, 0, 0});
+            const Receiver receiver(w * 3.0f, float3{0, 0, 0});
+            const Approach way = approach(receiver.position, {0, 0, 0});
             CHECK(DirectedLight(record).distance(way) ==
                   doctest::Approx(3.0 * fall_off).scale(0.0).epsilon(2e-3));
-            CHECK(importance(record, way, Receiver(float3{0, 0, 0})) ==
+            CHECK(importance(record, way, receiver) ==
                   doctest::Approx(1.0 / (9.0 * fall_off * fall_off)).scale(0.0).epsilon(4e-3));
         }
     }

@@ -10,8 +10,8 @@
 
 #include "base/random.h"
 #include "base/reservoir.h"
+#include "lights/groups/group_kernels.h"
 #include "lights/ranges/range_tree.h"
-#include "lights/simd/kernels.h"
 #include "unit/test_lights.h"
 
 using namespace lightcull;
@@ -46,7 +46,7 @@ TEST_CASE("the tree finds every group that a point accepts and that may reach it
     for (std::uint64_t pass = 0; pass < 20; ++pass) {
         tree.begin_pass(pass);
         for (const ShadingPoint& shaded : mixed_points(200, pass, kSets)) {
-            const LightBvhPoint point(table.frame.position(shaded.position), Receiver(shaded));
+            const Receiver point(table.frame, shaded);
             std::vector<bool> found(groups.groups.size());
             tree.for_accepted(point, shaded.set, [&](Span<const std::uint32_t> records) {
                 for (const std::uint32_t group : records) found[group] = true;
@@ -76,7 +76,7 @@ TEST_CASE("groups are weighed as a reservoir does it, one after the other") {
         CAPTURE(name);
         use_instruction_set(name);
         for (const ShadingPoint& shaded : mixed_points(100, 4, 1)) {
-            const LightBvhPoint point(table.frame.position(shaded.position), Receiver(shaded));
+            const Receiver point(table.frame, shaded);
             const float u = uniform_float(hash(float_bits(shaded.position.x), 1));
             for (const std::size_t count : {1u, 7u, 16u, 17u, 100u}) {
                 Reservoir reservoir(u);
@@ -86,8 +86,8 @@ TEST_CASE("groups are weighed as a reservoir does it, one after the other") {
                     if (g > 0.0f) reservoir.add(i, g, g * tree.inverse_prob(i, way));
                 }
                 GroupChoice choice;
-                kernels().weigh_groups(tree, groups.groups.data(), {records.data(), count}, point,
-                                       float_bits(u), choice);
+                group_kernels().weigh(tree, groups.groups.data(), {records.data(), count}, point,
+                                      float_bits(u), choice);
                 REQUIRE(choice.weight_sum == reservoir.weight_sum());
                 if (!reservoir.chosen()) continue;
                 REQUIRE(choice.record == reservoir.light());
@@ -107,7 +107,7 @@ TEST_CASE("a height whose square underflows makes no importance negative") {
         use_instruction_set(name);
         for (const float slope : {1e-30f, -1e-30f, 1e-22f, -1e-22f}) {
             const ShadingPoint shaded{{0.5f, 0.25f, 0.0f}, {slope, 0, 1}};
-            const LightBvhPoint point(table.frame.position(shaded.position), Receiver(shaded));
+            const Receiver point(table.frame, shaded);
             for (const LightGroup& group : groups.groups) CHECK(importance(group, point) >= 0.0f);
         }
     }

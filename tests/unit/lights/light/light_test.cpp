@@ -67,10 +67,11 @@ TEST_CASE("importance is 0 only where a light cannot reach") {
         const float3 vertex = a + (b - a) * s + (c - a) * t;
         const float3 way = vertex - x;
         const float emitter = -dot(light.axis, way) / length(way);
-        const float receiver = dot(normal, way) / length(way);
-        const bool reaches = receiver > 1e-5f && (two_sided ? std::abs(emitter) : emitter) > 1e-5f;
-        const float g = importance(
-            table.records[0], approach(table.frame.position(x), table.records[0].center), normal);
+        const float received = dot(normal, way) / length(way);
+        const bool reaches = received > 1e-5f && (two_sided ? std::abs(emitter) : emitter) > 1e-5f;
+        const Receiver receiver(table.frame.position(x), normal);
+        const float g = importance(table.records[0],
+                                   approach(receiver.position, table.records[0].center), receiver);
         if (reaches) {
             ++reached;
             REQUIRE(g > 0.0f);
@@ -87,9 +88,9 @@ TEST_CASE("a spot reaches as far as its outer cone and no farther") {
     const LightTable table = make_light_table(lights);
     const auto at = [&](float angle) {
         const float3 x{std::sin(angle), 0, -std::cos(angle)};
-        return importance(table.records[0],
-                          approach(table.frame.position(x), table.records[0].center),
-                          float3{0, 0, 0});
+        const Receiver receiver(table.frame.position(x), float3{0, 0, 0});
+        return importance(table.records[0], approach(receiver.position, table.records[0].center),
+                          receiver);
     };
     CHECK(at(0.0f) == doctest::Approx(1.0f));
     CHECK(at(0.29f) == doctest::Approx(1.0f));

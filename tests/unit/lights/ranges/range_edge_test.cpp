@@ -8,9 +8,10 @@
 #include <string>
 #include <vector>
 
+#include "base/refine.h"
+#include "lights/groups/group_kernels.h"
 #include "lights/groups/light_groups.h"
 #include "lights/ranges/range_tree.h"
-#include "lights/simd/kernels.h"
 #include "unit/sanitizer.h"
 #include "unit/test_lights.h"
 
@@ -86,28 +87,30 @@ class Edges {
     void add(std::uint32_t target, std::uint32_t set, float3 direction, float distance,
              const std::vector<LightGroup>& groups, Pairs& pairs) const {
         const RangedLight& light = tree_.record(target);
-        constexpr auto kSize = static_cast<int>(PointPacket::kSize);
+        constexpr auto kSize = static_cast<int>(ReceiverPacket::kSize);
         constexpr int kMiddle = kSize / 2;
         const float ulp = std::nextafter(distance, 1e30f) - distance;
-        PacketBuilder builder(set);
-        float3 points[PointPacket::kSize];
+        ReceiverPacket packet(set);
+        PacketRandom random;
+        float3 points[ReceiverPacket::kSize];
         for (int i = 0; i < kSize; ++i) {
             const float at = distance + static_cast<float>(i - kMiddle) * ulp;
             points[i] = light.center + direction * at;
-            builder.add(LightBvhPoint(points[i], float3{0, 0, 0}), 0.5f);
+            packet.put(static_cast<std::size_t>(i), {points[i], float3{0, 0, 0}});
+            random.u_bits[i] = float_bits(0.5f);
         }
         PacketChoice choice{};
-        kernels().select_packet(tree_, groups.data(), builder.packet(), choice);
-        for (std::size_t i = 0; i < PointPacket::kSize; ++i) {
+        group_kernels().select_packet(tree_, groups.data(), packet, random, choice);
+        for (std::size_t i = 0; i < ReceiverPacket::kSize; ++i) {
             const bool accepted = tree_.accepts(target, set, approach(points[i], light.center));
             const bool weighed = choice.weight_sum[i] > 0.0f;
             pairs.wrong += accepted == weighed ? 0 : 1;
             ++(accepted ? pairs.accepted : pairs.refused);
         }
         // And one by itself.
-        const float3 x = points[set % PointPacket::kSize];
+        const float3 x = points[set % ReceiverPacket::kSize];
         bool found = false;
-        tree_.for_accepted(LightBvhPoint(x, float3{0, 0, 0}), set,
+        tree_.for_accepted(Receiver(x, float3{0, 0, 0}), set,
                            [&](Span<const std::uint32_t> records) {
                                for (const std::uint32_t record : records) found |= record == target;
                            });
@@ -119,7 +122,7 @@ class Edges {
 
 /// So many in all.
 Pairs compare(std::uint64_t pair_count) {
-    const std::uint64_t passes = pair_count / (kSets * PointPacket::kSize) + 1;
+    const std::uint64_t passes = pair_count / (kSets * ReceiverPacket::kSize) + 1;
     const tbb::blocked_range<std::uint64_t> all(0, passes, passes / 8 + 1);
     return tbb::parallel_reduce(
         all, Pairs{},

@@ -15,7 +15,7 @@ namespace {
 
 std::vector<std::uint32_t> accepted_by_tree(const CullingTree& tree, const ShadingPoint& point) {
     std::vector<std::uint32_t> lights;
-    tree.for_each_accepted(tree.frame().position(point.position), Receiver(point), point.set,
+    tree.for_each_accepted(Receiver(tree.frame(), point), point.set,
                            [&](const Accepted& a) { lights.push_back(tree.to_light(a.record)); });
     std::sort(lights.begin(), lights.end());
     return lights;
@@ -23,11 +23,12 @@ std::vector<std::uint32_t> accepted_by_tree(const CullingTree& tree, const Shadi
 
 std::vector<std::uint32_t> accepted_by_brute_force(const CullingTree& tree, const LightTable& table,
                                                    const ShadingPoint& point) {
+    const Receiver receiver(tree.frame(), point);
     std::vector<std::uint32_t> lights;
     for (const std::uint32_t i : table.lit) {
         const LightRecord& light = table.records[i];
-        const Approach way = approach(tree.frame().position(point.position), light.center);
-        if (!(importance(light, way, Receiver(point)) > 0.0f)) continue;
+        const Approach way = approach(receiver.position, light.center);
+        if (!(importance(light, way, receiver) > 0.0f)) continue;
         const std::uint32_t record = tree.to_record(i);
         const float xi = tree.ranges().xi(record, point.set);
         const bool accepted = tree.ranges().accepts(tree.tree().record(record), way, xi);

@@ -45,9 +45,10 @@ struct Reach {
 };
 Reach reach_of(const LightTable& table, std::uint32_t light, const ShadingPoint& point) {
     const LightRecord& record = table.records[light];
-    const Approach way = approach(table.frame.position(point.position), record.center);
+    const Receiver receiver(table.frame.position(point.position), point.normal);
+    const Approach way = approach(receiver.position, record.center);
     return {importance_bound(record, way, point.normal) > 0.0f,
-            importance(record, way, point.normal) > 0.0f};
+            importance(record, way, receiver) > 0.0f};
 }
 
 /// Largest |z| over lights of: mean over keys of [light selected] / prob equals 1 where the light

@@ -119,8 +119,8 @@ TEST_CASE("every instruction set refits to the same radii, and walks the same no
             }
             for (const ShadingPoint& point : points) {
                 const auto count = [&](const CullingTree& t) {
-                    return t.for_each_accepted(t.frame().position(point.position), Receiver(point),
-                                               point.set, [](const Accepted&) {});
+                    return t.for_each_accepted(Receiver(t.frame(), point), point.set,
+                                               [](const Accepted&) {});
                 };
                 const SelectionCounts a = count(tree), b = count(scalar);
                 REQUIRE(a.nodes_visited == b.nodes_visited);

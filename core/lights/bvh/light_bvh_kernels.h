@@ -1,0 +1,35 @@
+#pragma once
+
+#include <lightcull/span.h>
+
+#include <cstddef>
+
+#include "lights/bvh/light_bvh.h"
+#include "lights/bvh/light_bvh_descend.h"
+
+namespace lightcull {
+
+/// What is done with a light BVH, for one instruction set; all of them give the same bits.
+template <typename Node>
+struct LightBvhKernels {
+    void (*importances)(const Node& node, const Receiver& receiver, float* result);
+
+    /// Takes each descent that is not at a light to one, or to prob 0; at most kMaxDescents. Many
+    /// cost less together than one after the other: one computes while others wait for memory.
+    void (*descend)(const LightBvh<Node>& bvh, Span<LightBvhDescent> descents);
+
+    /// The probability of what a slot holds: to the bit what a descent finds that takes it, if it
+    /// starts with `prob` where LightBvh::parents end. 0 for kNoSlot.
+    double (*prob_of_slot)(const LightBvh<Node>& bvh, const Receiver& receiver, LightBvhSlot slot,
+                           double prob);
+};
+
+/// Those for the instruction set in use.
+template <typename Node>
+const LightBvhKernels<Node>& light_bvh_kernels() noexcept;
+template <>
+const LightBvhKernels<BoundsNode>& light_bvh_kernels() noexcept;
+template <>
+const LightBvhKernels<MeansNode>& light_bvh_kernels() noexcept;
+
+}  // namespace lightcull

@@ -1,0 +1,11 @@
+#pragma once
+
+#include "lights/calibration/range_calibration.h"
+
+namespace lightcull {
+
+/// Ranges are found for the lit lights of a table, with the distances that DirectedLight has. The
+/// table must outlive it.
+RangedScene directed_scene(const LightTable& table);
+
+}  // namespace lightcull
