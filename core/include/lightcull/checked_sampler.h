@@ -1,5 +1,6 @@
 #pragma once
 
+#include <lightcull/export.h>
 #include <lightcull/light_sampler.h>
 
 #include <cstddef>
@@ -21,8 +22,7 @@ using FaultHandler = std::function<void(const std::string& fault)>;
 /// the process aborted. What is right is answered by the sampler, to the bit.
 ///
 /// light_count: of the lights that the sampler was made over. Throws Error where `sampler` is null.
-std::unique_ptr<LightSampler> make_checked_sampler(std::unique_ptr<LightSampler> sampler,
-                                                   std::size_t light_count,
-                                                   FaultHandler on_fault = {});
+LIGHTCULL_EXPORT std::unique_ptr<LightSampler> make_checked_sampler(
+    std::unique_ptr<LightSampler> sampler, std::size_t light_count, FaultHandler on_fault = {});
 
 }  // namespace lightcull

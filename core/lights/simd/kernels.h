@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "base/core_export.h"
 #include "lights/bvh/light_bvh_descend.h"
 #include "lights/bvh/packet_select.h"
 
@@ -55,7 +56,7 @@ inline const LightBvhKernels<MeansNode>& Kernels::of_bvh() const noexcept {
 }
 
 /// Those for the instruction set in use.
-const Kernels& kernels() noexcept;
+LIGHTCULL_CORE_EXPORT const Kernels& kernels() noexcept;
 
 /// One lane at a time, for any machine.
 const Kernels& scalar_kernels() noexcept;
