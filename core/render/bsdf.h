@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/core_export.h"
 #include "render/vec.h"
 
 #include <lightcull/light_sampler.h>
@@ -29,7 +30,7 @@ struct BsdfSample {
 /// Smith's masking-shadowing in its separable form, the one that the appendix prints. Both are
 /// sampled by one mixture: cosine-weighted, and visible normals (Heitz 2018, "Sampling the GGX
 /// Distribution of Visible Normals").
-class Bsdf {
+class LIGHTCULL_CORE_EXPORT Bsdf {
   public:
     Bsdf() = default;
 

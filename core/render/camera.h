@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/core_export.h"
 #include "render/ray.h"
 #include "render/vec.h"
 
@@ -11,7 +12,7 @@ namespace lightcull {
 
 /// Rays of a thin-lens camera, or of a pinhole where the aperture is 0. What lies in the plane
 /// `focus_distance` in front of the lens is sharp.
-class CameraRays {
+class LIGHTCULL_CORE_EXPORT CameraRays {
   public:
     /// width, height: pixels of the image.
     CameraRays(const Camera& camera, std::uint32_t width, std::uint32_t height) noexcept;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/core_export.h"
 #include "render/vec.h"
 
 #include <lightcull/light.h>
@@ -52,14 +53,14 @@ EmitterSample sample_emitter(const SceneData& scene, const Emitter& emitter, con
                              const V2f& u) noexcept;
 
 /// The part of its intensity that a spot emits at `cosine` from its direction.
-float spot_falloff(const SpotEmitter& emitter, float cosine) noexcept;
+LIGHTCULL_CORE_EXPORT float spot_falloff(const SpotEmitter& emitter, float cosine) noexcept;
 
 /// Density per solid angle, seen from a point, of a place on the triangle that sample_emitter()
 /// would have chosen: `to_place` leads from the point to it. 0 in the triangle's plane.
 float triangle_pdf(const TriangleEmitter& emitter, const V3f& to_place) noexcept;
 
 /// What the triangle emits at (u, v) into `direction`, which leaves it.
-V3f emitted(const SceneData& scene, const TriangleEmitter& emitter, float u, float v,
-            const V3f& direction) noexcept;
+LIGHTCULL_CORE_EXPORT V3f emitted(const SceneData& scene, const TriangleEmitter& emitter, float u,
+                                  float v, const V3f& direction) noexcept;
 
 }  // namespace lightcull

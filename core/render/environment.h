@@ -1,6 +1,7 @@
 #pragma once
 
 #include "base/alias_table.h"
+#include "base/core_export.h"
 #include "base/memory_size.h"
 #include "render/vec.h"
 
@@ -18,7 +19,7 @@ struct EnvironmentSample {
 };
 
 /// An environment map that can be looked up and sampled in proportion to what it gives.
-class EnvironmentMap {
+class LIGHTCULL_CORE_EXPORT EnvironmentMap {
   public:
     explicit EnvironmentMap(Environment environment);
 

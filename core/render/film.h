@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/core_export.h"
 #include "base/memory_size.h"
 #include "render/vec.h"
 
@@ -13,7 +14,7 @@
 namespace lightcull {
 
 /// Sums of whole passes, in double so that none is lost to rounding.
-class Film {
+class LIGHTCULL_CORE_EXPORT Film {
   public:
     explicit Film(std::size_t pixels) : sums_(pixels, Imath::V3d(0.0)) {}
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/core_export.h"
 #include "render/ray.h"
 #include "render/vec.h"
 
@@ -12,7 +13,7 @@
 namespace lightcull {
 
 /// Finds what rays hit among triangles.
-class RayTracer {
+class LIGHTCULL_CORE_EXPORT RayTracer {
   public:
     /// Builds the acceleration structure in the caller's TBB arena. `positions` stay the caller's,
     /// who keeps them in place and one more element readable after the last. Throws Error.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/core_export.h"
 #include "render/bsdf.h"
 #include "render/ray.h"
 #include "render/vec.h"
@@ -32,6 +33,7 @@ struct Surface {
 V3f hit_position(const SceneData& scene, const Hit& hit) noexcept;
 
 /// The surface at a hit of a ray that came along `direction` (unit length).
-Surface make_surface(const SceneData& scene, const Hit& hit, const V3f& direction) noexcept;
+LIGHTCULL_CORE_EXPORT Surface make_surface(const SceneData& scene, const Hit& hit,
+                                           const V3f& direction) noexcept;
 
 }  // namespace lightcull

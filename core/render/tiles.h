@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "base/core_export.h"
+
 namespace lightcull {
 
 /// Pixels [x0, x1) x [y0, y1).
@@ -17,6 +19,6 @@ inline constexpr std::uint32_t kTileSize = 64;
 inline constexpr std::uint32_t kRegionSize = 512;
 
 /// Cuts an area into tiles of `edge` pixels, smaller at its right and lower border, row by row.
-std::vector<Tile> tiles_of(const Tile& area, std::uint32_t edge);
+LIGHTCULL_CORE_EXPORT std::vector<Tile> tiles_of(const Tile& area, std::uint32_t edge);
 
 }  // namespace lightcull

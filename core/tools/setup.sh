@@ -185,7 +185,8 @@ install_package() {
     CMAKE_BUILD_PARALLEL_LEVEL=$(job_count) \
         "$venv/bin/pip" install --quiet --disable-pip-version-check --no-deps --no-build-isolation \
         --config-settings=build-dir="$build/bindings" \
-        --config-settings=cmake.define.lightcull_DIR="$build" "$root/bindings" >&2
+        --config-settings=cmake.define.lightcull_DIR="$build" \
+        --config-settings=cmake.define.LIGHTCULL_WERROR=ON "$root/bindings" >&2
     echo "$hash" >"$venv/package-hash"
 }
 

@@ -1,8 +1,11 @@
-"""lightcull as others get it: by find_package from an install tree and from the build tree."""
+"""lightcull as others get it: installed, from the build tree, and from its sources."""
 
+import itertools
 import re
+import shlex
 import shutil
 import subprocess
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -14,6 +17,10 @@ CONSUMER = ROOT / "tests/packaging/consumer"
 INCLUDE = ROOT / "core/include"
 HEADERS = sorted(path.relative_to(INCLUDE) for path in INCLUDE.rglob("*.h"))
 LIGHTS_HEADERS = [path for path in HEADERS if len(path.parts) == 2]
+HOST = ROOT / "tests/packaging/host"
+VERSION = re.search(r'VERSION_STRING "(.*)"', (INCLUDE / "lightcull/version.h").read_text())[1]
+# What the path tracer and the image library are built with; PkgConfig finds most of it.
+RENDER_PACKAGES = ["embree", "PkgConfig", "OpenImageIO", "OpenColorIO", "Imath"]
 
 
 def attempt(*command, cwd=None):
@@ -37,23 +44,55 @@ def compiler():
     return re.search(r"^CMAKE_CXX_COMPILER:\w+=(.*)$", cache, re.M)[1]
 
 
-def configure(source, build, package, *options):
-    """Configures a project that finds lightcull in the folder `package`."""
+def configure_any(source, build, *options):
     shutil.rmtree(build, ignore_errors=True)
     return attempt(
-        *("cmake", "-S", source, "-B", build, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release"),
-        *(f"-DCMAKE_CXX_COMPILER={compiler()}", f"-Dlightcull_DIR={package}", *options),
+        *("cmake", "-S", source, "-B", build, "-G", "Ninja"),
+        *(f"-DCMAKE_CXX_COMPILER={compiler()}", *options),
     )
+
+
+def configure(source, build, package, *options):
+    """Configures a project that finds lightcull in the folder `package`."""
+    found = f"-Dlightcull_DIR={package}"
+    return configure_any(source, build, "-DCMAKE_BUILD_TYPE=Release", found, *options)
+
+
+def without(packages):
+    """Options that hide packages from find_package()."""
+    return [f"-DCMAKE_DISABLE_FIND_PACKAGE_{package}=ON" for package in packages]
+
+
+def one_line(text):
+    return " ".join(text.split())
+
+
+def check_host(program):
+    """Runs tests/packaging/host. Returns what it said of samplers for Vulkan, if it said that."""
+    version, unknown, chosen, *rest = run(program).splitlines()
+    assert version == f"headers {VERSION}, library {VERSION}"
+    assert re.match("unknown: .*no_such", unknown)
+    assert chosen == "chosen: 1"
+    return rest
+
+
+def install(build, name):
+    """Installs what was built. Returns the install tree, which is moved to a path with a space."""
+    first, moved = WORK / "installed", WORK / f"moved {name}"
+    for folder in (first, moved):
+        shutil.rmtree(folder, ignore_errors=True)
+    run("cmake", "--install", build, "--prefix", first)
+    return first.rename(moved)
+
+
+def package_folder(prefix):
+    return next(prefix.rglob("lightcullConfig.cmake")).parent
 
 
 @pytest.fixture(scope="session")
 def prefix():
-    """An install tree that has been moved since it was installed, to a path with a space."""
-    shutil.rmtree(WORK, ignore_errors=True)
-    run("cmake", "--install", BUILD, "--prefix", WORK / "installed")
-    moved = WORK / "moved prefix"
-    (WORK / "installed").rename(moved)
-    return moved
+    """An install tree of static libraries, with all components."""
+    return install(BUILD, "prefix")
 
 
 @pytest.fixture(params=["install tree", "build tree"])
@@ -61,7 +100,7 @@ def package(request):
     """The folder of lightcullConfig.cmake."""
     if request.param == "build tree":
         return BUILD
-    return next(request.getfixturevalue("prefix").rglob("lightcullConfig.cmake")).parent
+    return package_folder(request.getfixturevalue("prefix"))
 
 
 def test_all_public_headers_and_no_others_are_installed(prefix):
@@ -71,7 +110,7 @@ def test_all_public_headers_and_no_others_are_installed(prefix):
 
 
 def test_the_install_tree_knows_nothing_of_the_source_tree(prefix):
-    for path in prefix.rglob("*.cmake"):
+    for path in [*prefix.rglob("*.cmake"), *prefix.rglob("*.pc")]:
         assert str(ROOT) not in path.read_text(), path
 
 
@@ -119,3 +158,173 @@ def test_a_component_that_is_not_there_is_named(package, prefix):
     assert result.returncode != 0
     said = " ".join(result.stdout.split())
     assert "no component 'gpus' here; there are: base, lights, image, render" in said
+
+
+@pytest.mark.parametrize(
+    "component, package", [("lights", "hwy"), ("lights", "TBB"), ("render", "embree")]
+)
+def test_what_a_component_needs_is_named(prefix, component, package):
+    """Both where lightcull is built and where it is found."""
+    said = f"lightcull::{component} needs {package}, which was not found (Debian: lib"
+    build = configure_any(ROOT, WORK / "without", *without([package]))
+    assert build.returncode != 0
+    assert said in one_line(build.stdout)
+    host = configure(CONSUMER, WORK / "consumer", package_folder(prefix), *without([package]))
+    assert host.returncode != 0
+    assert said in one_line(host.stdout)
+
+
+def test_the_version_is_one():
+    header = (INCLUDE / "lightcull/version.h").read_text()
+    parts = [re.search(rf"_{part} (\d+)\n", header)[1] for part in ("MAJOR", "MINOR", "PATCH")]
+    assert ".".join(parts) == VERSION
+    project = tomllib.loads((ROOT / "bindings/pyproject.toml").read_text())["project"]
+    assert project["version"] == VERSION
+    package = (BUILD / "lightcullConfigVersion.cmake").read_text()
+    assert f'set(PACKAGE_VERSION "{VERSION}")' in package
+
+
+@pytest.fixture(scope="session")
+def static_subproject():
+    """A host with lightcull as a subdirectory, lights alone; what CMake said, and where it is."""
+    build = WORK / "subproject"
+    absent = without([*RENDER_PACKAGES, "Vulkan"])
+    options = ["-DWAY=add_subdirectory", f"-DLIGHTCULL_SOURCE={ROOT}", "-DLIGHTCULL_RENDER=OFF"]
+    result = configure_any(HOST, build, "-DCMAKE_BUILD_TYPE=Debug", *options, *absent)
+    assert result.returncode == 0, result.stdout
+    run("cmake", "--build", build)
+    return build, result.stdout
+
+
+def test_lights_alone_looks_for_nothing_but_highway_and_tbb(static_subproject):
+    build, said = static_subproject
+    assert check_host(build / "host") == []
+    # CMake lists the options that nobody asked for: nothing tried to find these packages.
+    unused = said.split("Manually-specified variables were not used by the project:")[1]
+    for package in [*RENDER_PACKAGES, "Vulkan"]:
+        assert f"CMAKE_DISABLE_FIND_PACKAGE_{package}\n" in unused
+    found = re.findall(r"^(\w+)_DIR:PATH=", (build / "CMakeCache.txt").read_text(), re.M)
+    assert sorted(found) == ["TBB", "hwy"]
+
+
+def test_a_subproject_installs_nothing_and_does_not_stop_at_warnings(static_subproject):
+    build, _ = static_subproject
+    run("cmake", "--install", build, "--prefix", WORK / "subproject installed")
+    assert not (WORK / "subproject installed").exists()
+    assert "-Werror" not in (build / "build.ninja").read_text()
+    assert "-Werror" in (BUILD / "build.ninja").read_text()
+
+
+@pytest.fixture(scope="session")
+def shared_prefix():
+    """An install tree of shared libraries, moved, that a host got by FetchContent and installed."""
+    build = WORK / "shared"
+    result = configure_any(
+        *(HOST, build, "-DCMAKE_BUILD_TYPE=Debug", "-DBUILD_SHARED_LIBS=ON"),
+        *("-DWAY=FetchContent", f"-DLIGHTCULL_SOURCE={ROOT}", "-DLIGHTCULL_INSTALL=ON"),
+        *("-DLIGHTCULL_RENDER=OFF", "-DLIGHTCULL_VULKAN=ON", *without(RENDER_PACKAGES)),
+    )
+    assert result.returncode == 0, result.stdout
+    run("cmake", "--build", build)
+    check_host(build / "host")
+    return install(build, "shared prefix")
+
+
+def test_errors_and_casts_pass_between_shared_libraries(shared_prefix):
+    build, package = WORK / "host", package_folder(shared_prefix)
+    # A host of shared libraries needs no package that they are made with.
+    absent = without([*RENDER_PACKAGES, "hwy", "TBB", "Vulkan"])
+    result = configure(HOST, build, package, "-DWAY=find_package", *absent)
+    assert result.returncode == 0, result.stdout
+    run("cmake", "--build", build)
+    said = check_host(build / "host")
+    if said:  # where the Vulkan back end is built
+        uniform, culled = said
+        refusal = "Vulkan: of the samplers, only culled and paper"
+        assert uniform.startswith(f"uniform: {refusal}")
+        assert culled.startswith("culled: Vulkan: ") and refusal not in culled
+
+
+def test_a_component_that_was_not_built_is_named(shared_prefix):
+    folder = package_folder(shared_prefix)
+    result = configure(CONSUMER, WORK / "consumer", folder, "-DCOMPONENTS=render")
+    assert result.returncode != 0
+    assert "no component 'render' here; there are: base, lights" in one_line(result.stdout)
+
+
+def test_shared_libraries_have_their_version_in_their_name(shared_prefix):
+    names = {path.name for path in shared_prefix.rglob("liblightcull_lights.so*")}
+    minor = VERSION.rsplit(".", 1)[0]
+    assert names == {f"liblightcull_lights.so{end}" for end in ("", f".{minor}", f".{VERSION}")}
+    (library,) = shared_prefix.rglob(f"liblightcull_lights.so.{VERSION}")
+    assert f"Library soname: [liblightcull_lights.so.{minor}]" in run("readelf", "-d", library)
+
+
+def symbols(option, library):
+    """The names in a library by `nm`, without their arguments."""
+    text = run("nm", "-C", option, library)
+    return set(re.findall(r" [A-Za-z] (?:(?:vtable|typeinfo)(?: name)? for )?([^ (\[\n]+)", text))
+
+
+def marked(*folders):
+    """The functions and classes that headers export."""
+    text = "".join(path.read_text() for folder in folders for path in folder.rglob("*.h"))
+    classes = re.findall(r"^(?:class|struct) LIGHTCULL_\w*EXPORT (\w+)", text, re.M)
+    functions = re.findall(r"^LIGHTCULL_\w*EXPORT [^;{(]*?(\w+)\(", text, re.M)
+    return {*classes, *functions}
+
+
+def inside(names):
+    """The functions and classes of lightcull among names; of a member, its class."""
+    return {name.split("::")[1] for name in names if name.startswith("lightcull::")}
+
+
+def test_shared_libraries_export_what_headers_mark_and_no_more(shared_prefix):
+    (library,) = shared_prefix.rglob(f"liblightcull_lights.so.{VERSION}")
+    exported = inside(symbols("-D", library))
+    lights = marked(ROOT / "core/lights") | marked(INCLUDE)
+    assert exported <= lights
+    assert {"Error", "LightSampler", "make_sampler", "version"} <= exported
+
+
+def test_what_one_library_uses_of_another_is_marked():
+    """Of all libraries, without linking shared ones: by the symbols of the static ones."""
+    archives = sorted(BUILD.glob("core/*/liblightcull_*.a"))
+    assert len(archives) >= 4
+    marks = marked(ROOT / "core")
+    wanted = {archive.stem: symbols("-u", archive) for archive in archives}
+    made = {archive.stem: symbols("--defined-only", archive) for archive in archives}
+    for user, maker in itertools.permutations(wanted, 2):
+        used = inside(wanted[user] & made[maker])
+        assert used <= marks, f"{user} of {maker}"
+
+
+def pkg_config(prefix, *options):
+    (file,) = prefix.rglob("lightcull-lights.pc")
+    command = ["env", f"PKG_CONFIG_PATH={file.parent}", "pkg-config", "lightcull-lights"]
+    assert run(*command, "--modversion").strip() == VERSION
+    return shlex.split(run(*command, *options))
+
+
+def test_a_host_builds_by_pkg_config_with_static_libraries(prefix):
+    flags = pkg_config(prefix, "--static", "--cflags", "--libs")
+    run(compiler(), "-std=c++17", HOST / "main.cpp", "-o", WORK / "static_host", *flags)
+    assert check_host(WORK / "static_host") == []
+
+
+def test_a_host_builds_by_pkg_config_with_shared_libraries(shared_prefix):
+    flags = pkg_config(shared_prefix, "--cflags", "--libs")
+    assert not any("hwy" in flag or "tbb" in flag for flag in flags)
+    (folder,) = pkg_config(shared_prefix, "--variable=libdir")
+    rpath = f"-Wl,-rpath,{folder}"
+    run(compiler(), "-std=c++17", HOST / "main.cpp", "-o", WORK / "shared_host", *flags, rpath)
+    assert check_host(WORK / "shared_host") == []
+
+
+def test_a_library_of_a_host_does_not_export_the_static_one_in_it(prefix):
+    library = WORK / "libhost.so"
+    flags = pkg_config(prefix, "--static", "--cflags", "--libs")
+    options = ["-std=c++17", "-shared", "-fPIC"]
+    run(compiler(), *options, HOST / "main.cpp", "-o", library, *flags)
+    assert "main" in symbols("-D", library)
+    assert not inside(symbols("-D", library)) & marked(INCLUDE) - {"Error"}

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <lightcull/export.h>
 #include <lightcull/light_sampler.h>
 
 #include <cstddef>
@@ -22,8 +23,7 @@ using FaultHandler = std::function<void(const std::string& fault)>;
 ///
 /// light_count: of the lights that the sampler was made over. It has no SamplerInfo. Throws Error
 /// where `sampler` is null, or one that decides at the vertex (VertexCulling).
-std::unique_ptr<LightSampler> make_checked_sampler(std::unique_ptr<LightSampler> sampler,
-                                                   std::size_t light_count,
-                                                   FaultHandler on_fault = {});
+LIGHTCULL_EXPORT std::unique_ptr<LightSampler> make_checked_sampler(
+    std::unique_ptr<LightSampler> sampler, std::size_t light_count, FaultHandler on_fault = {});
 
 }  // namespace lightcull

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <lightcull/export.h>
+
 #include <string>
 #include <string_view>
 #include <vector>
@@ -9,13 +11,13 @@ namespace lightcull {
 /// The instruction sets that selection can use on this machine, best first, as in
 /// {"AVX3", "AVX2", "SSE4", "SSSE3", "scalar"}. The best is used unless another is asked for; all
 /// give the same bits.
-std::vector<std::string> instruction_sets();
+LIGHTCULL_EXPORT std::vector<std::string> instruction_sets();
 
 /// The one in use.
-std::string instruction_set();
+LIGHTCULL_EXPORT std::string instruction_set();
 
 /// Makes all samplers of the process use one of instruction_sets(), for tests and benchmarks. Only
 /// while no selection runs. Throws Error for a name that is not among them.
-void use_instruction_set(std::string_view name);
+LIGHTCULL_EXPORT void use_instruction_set(std::string_view name);
 
 }  // namespace lightcull

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <lightcull/export.h>
 #include <lightcull/float3.h>
 
 namespace lightcull {
@@ -32,43 +33,46 @@ struct Light {
 /// A triangle that emits `radiance` (mean over its area, luminance, W/(m^2 sr)) on the side from
 /// which a, b, c (metres) run anticlockwise, or on both. A triangle without area gives a light of
 /// intensity 0.
-Light triangle_light(float3 a, float3 b, float3 c, float radiance, bool two_sided = false) noexcept;
+LIGHTCULL_EXPORT Light triangle_light(float3 a, float3 b, float3 c, float radiance,
+                                      bool two_sided = false) noexcept;
 
 /// A sphere that emits `radiance` (luminance, W/(m^2 sr)) from all of its outside. center, radius:
 /// metres.
-Light sphere_light(float3 center, float radius, float radiance) noexcept;
+LIGHTCULL_EXPORT Light sphere_light(float3 center, float radius, float radiance) noexcept;
 
 /// A disc that emits `radiance` (luminance, W/(m^2 sr)) on the side of `normal` (any length but 0),
 /// or on both. center, radius: metres.
-Light disc_light(float3 center, float3 normal, float radius, float radiance,
-                 bool two_sided = false) noexcept;
+LIGHTCULL_EXPORT Light disc_light(float3 center, float3 normal, float radius, float radiance,
+                                  bool two_sided = false) noexcept;
 
 /// A tube from a to b (metres) that emits `radiance` (luminance, W/(m^2 sr)) from its side, but not
 /// from its ends. It counts as shining everywhere as it does across its axis; one that is long
 /// beside its distance to what it lights is better cut into several.
-Light cylinder_light(float3 a, float3 b, float radius, float radiance) noexcept;
+LIGHTCULL_EXPORT Light cylinder_light(float3 a, float3 b, float radius, float radiance) noexcept;
 
 /// A point that emits `intensity` (luminance, W/sr) in all directions.
-Light point_light(float3 position, float intensity) noexcept;
+LIGHTCULL_EXPORT Light point_light(float3 position, float intensity) noexcept;
 
 /// A point that emits `intensity` (luminance, W/sr) up to `inner` from `direction` (any length but
 /// 0) and less and less to nothing at `outer`; radians, 0 <= inner <= outer <= pi.
-Light spot_light(float3 position, float3 direction, float intensity, float inner,
-                 float outer) noexcept;
+LIGHTCULL_EXPORT Light spot_light(float3 position, float3 direction, float intensity, float inner,
+                                  float outer) noexcept;
 
 /// A point that emits with the cosine to `normal` (unit length), `intensity` (luminance, W/sr)
 /// along it and nothing behind it: a diffuse virtual light.
-Light diffuse_point_light(float3 position, float3 normal, float intensity) noexcept;
+LIGHTCULL_EXPORT Light diffuse_point_light(float3 position, float3 normal,
+                                           float intensity) noexcept;
 
 /// A point that emits `intensity` (luminance, W/sr) into `direction` (unit length) and less about
 /// it, as GGX's D of `alpha` falls with half the angle h to it: by the square of
 /// 1 + (1 / alpha^2 - 1) sin^2 h. That bounds what a glossy virtual light emits ([TH17] Eqs. 9 to
 /// 12).
-Light glossy_point_light(float3 position, float3 direction, float intensity, float alpha) noexcept;
+LIGHTCULL_EXPORT Light glossy_point_light(float3 position, float3 direction, float intensity,
+                                          float alpha) noexcept;
 
 /// A light of which only a box (metres), a cone of directions and the radiant power (luminance, W)
 /// are known. The cone is that of Light.
-Light bounded_light(float3 box_min, float3 box_max, float3 axis, float cos_theta_o,
-                    float cos_theta_e, bool two_sided, float power) noexcept;
+LIGHTCULL_EXPORT Light bounded_light(float3 box_min, float3 box_max, float3 axis, float cos_theta_o,
+                                     float cos_theta_e, bool two_sided, float power) noexcept;
 
 }  // namespace lightcull

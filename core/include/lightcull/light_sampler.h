@@ -1,5 +1,6 @@
 #pragma once
 
+#include <lightcull/export.h>
 #include <lightcull/float3.h>
 #include <lightcull/light.h>
 #include <lightcull/span.h>
@@ -63,7 +64,7 @@ struct Selection {
 /// Threads: all calls are const and may run on any number of threads at once. The hot calls check
 /// nothing (make_checked_sampler() does): positions must be finite, normals of unit length or 0,
 /// sets below set_count(), u in [0, 1).
-class LightSelector {
+class LIGHTCULL_EXPORT LightSelector {
   public:
     virtual ~LightSelector() = default;
 
@@ -118,7 +119,7 @@ struct LightUpdate {
 ///
 /// Threads: const calls may run on any number of threads at once; begin_pass() and update() only
 /// while none of them runs.
-class LightSampler : public LightSelector {
+class LIGHTCULL_EXPORT LightSampler : public LightSelector {
   public:
     /// Draws the random ranges of a pass, from which the sampler itself selects; equal numbers
     /// give equal ranges. Call it before the first selection and then once a pass. Takes some

@@ -314,7 +314,7 @@ LIGHTCULL_C_API uint32_t lightcull_set_of_sample(uint32_t x, uint32_t y, uint32_
 
 /* ---- the library ----------------------------------------------------------------------------- */
 
-/// The version of the library that is linked, as in "0.1.0". Never freed.
+/// The version of the library that is linked, as in "0.2.0". Never freed.
 LIGHTCULL_C_API const char* lightcull_version(void);
 
 /// The instruction set that selection uses, as in "AVX2"; all give the same bits. Never freed.

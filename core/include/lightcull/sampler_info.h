@@ -1,5 +1,6 @@
 #pragma once
 
+#include <lightcull/export.h>
 #include <lightcull/light_sampler.h>
 
 #include <cstddef>
@@ -15,7 +16,7 @@ struct SelectionCounts {
 };
 
 /// What a sampler takes, for benchmarks and reports. Const calls may run on any number of threads.
-class SamplerInfo {
+class LIGHTCULL_EXPORT SamplerInfo {
   public:
     /// The cost of select() at a point.
     virtual SelectionCounts count(const ShadingPoint& point) const noexcept = 0;
@@ -28,6 +29,6 @@ class SamplerInfo {
 };
 
 /// That of a sampler or a pass, which must outlive it; null for one of a host's own that has none.
-const SamplerInfo* sampler_info(const LightSelector& sampler) noexcept;
+LIGHTCULL_EXPORT const SamplerInfo* sampler_info(const LightSelector& sampler) noexcept;
 
 }  // namespace lightcull

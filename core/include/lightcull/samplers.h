@@ -1,5 +1,6 @@
 #pragma once
 
+#include <lightcull/export.h>
 #include <lightcull/light.h>
 #include <lightcull/light_sampler.h>
 #include <lightcull/span.h>
@@ -111,11 +112,11 @@ using SamplerSpec = std::variant<CulledOptions, LightBvhOptions, UniformOptions,
 /// (culled, paper, clamped); sets (culled, paper); group (culled); test (vertex | light), weight (g
 /// | g_over_p), list (paper); importance (bounds | means; light_bvh). Throws Error for an unknown
 /// name or option, with the names there are, and for a value that make_sampler() would refuse.
-SamplerSpec parse_sampler(std::string_view description);
+LIGHTCULL_EXPORT SamplerSpec parse_sampler(std::string_view description);
 
 /// Throws Error, with a message that names the option, if one makes no sense. Whatever makes a
 /// sampler does this first.
-void check_sampler(const SamplerSpec& spec);
+LIGHTCULL_EXPORT void check_sampler(const SamplerSpec& spec);
 
 /// The use that a sampler is put to.
 struct SamplerContext {
@@ -128,16 +129,18 @@ struct SamplerContext {
 
 /// Makes a sampler over `lights`, of which it copies what it needs. Runs in the caller's TBB
 /// arena. Throws Error with a message that names the light and the field, or the option.
-std::unique_ptr<LightSampler> make_sampler(const SamplerSpec& spec, Span<const Light> lights,
-                                           const SamplerContext& context = {});
+LIGHTCULL_EXPORT std::unique_ptr<LightSampler> make_sampler(const SamplerSpec& spec,
+                                                            Span<const Light> lights,
+                                                            const SamplerContext& context = {});
 
 /// make_sampler(parse_sampler(description), lights, context).
-std::unique_ptr<LightSampler> make_sampler(std::string_view description, Span<const Light> lights,
-                                           const SamplerContext& context = {});
+LIGHTCULL_EXPORT std::unique_ptr<LightSampler> make_sampler(std::string_view description,
+                                                            Span<const Light> lights,
+                                                            const SamplerContext& context = {});
 
 /// What `paper` wants of a host beyond LightSelector, for its test at the vertex ([TH16] section
 /// 5.2). A host that leaves it out is biased: it takes `paper:test=light`.
-class VertexCulling {
+class LIGHTCULL_EXPORT VertexCulling {
   public:
     /// The factor of Eq. 10 that depends on the vertex sampled on the light that was selected, or 0
     /// if it is out of range. Multiply Selection::prob by it, and skip the light where it is 0.
@@ -149,6 +152,6 @@ class VertexCulling {
 };
 
 /// That of a sampler or a pass which decides at the vertex; null of all others.
-const VertexCulling* vertex_culling(const LightSelector& sampler) noexcept;
+LIGHTCULL_EXPORT const VertexCulling* vertex_culling(const LightSelector& sampler) noexcept;
 
 }  // namespace lightcull

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <lightcull/export.h>
+
 #include <cstdint>
 
 namespace lightcull {
@@ -19,7 +21,8 @@ namespace lightcull {
 /// The set for camera points of pixel (x, y): its place in a square pattern of `set_count` pixels,
 /// which neighbours never share. set_count is a power of 4. For hosts that begin a pass for each
 /// sample: within one pass it gives a pixel the same set again and again.
-std::uint32_t set_of_pixel(std::uint32_t x, std::uint32_t y, std::uint32_t set_count) noexcept;
+LIGHTCULL_EXPORT std::uint32_t set_of_pixel(std::uint32_t x, std::uint32_t y,
+                                            std::uint32_t set_count) noexcept;
 
 /// Points that lie together and share a set at later bounces: sort all points of a bounce along a
 /// curve in space, and cut them into packets of this many.
@@ -27,12 +30,14 @@ inline constexpr std::uint32_t kPointsPerPacket = 16;
 
 /// The set for the points of packet `packet` of later bounces. It takes no more than 16 of the
 /// sets, so that a bounce touches little memory: for hosts that begin a pass for each sample.
-std::uint32_t set_of_packet(std::uint32_t packet, std::uint32_t set_count) noexcept;
+LIGHTCULL_EXPORT std::uint32_t set_of_packet(std::uint32_t packet,
+                                             std::uint32_t set_count) noexcept;
 
 /// The set for a sample of pixel (x, y) at a vertex of its path: bounce 0 is what the camera sees.
 /// The samples of a pixel take all sets in turn, those of its neighbours others at the same time.
 /// For hosts that select from one pass for many samples; set_count is a power of 4.
-std::uint32_t set_of_sample(std::uint32_t x, std::uint32_t y, std::uint32_t sample,
-                            std::uint32_t bounce, std::uint32_t set_count) noexcept;
+LIGHTCULL_EXPORT std::uint32_t set_of_sample(std::uint32_t x, std::uint32_t y, std::uint32_t sample,
+                                             std::uint32_t bounce,
+                                             std::uint32_t set_count) noexcept;
 
 }  // namespace lightcull

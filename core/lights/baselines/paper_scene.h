@@ -4,6 +4,7 @@
 
 #include <cstdint>
 
+#include "base/core_export.h"
 #include "lights/baselines/culling_tree.h"
 
 namespace lightcull {
@@ -18,7 +19,7 @@ struct PaperScene {
 };
 
 /// `paper`, for back ends that choose as it does.
-class PaperSamplerBase : public LightSampler, public VertexCulling {
+class LIGHTCULL_CORE_EXPORT PaperSamplerBase : public LightSampler, public VertexCulling {
   public:
     /// Lives as long as the sampler. Passes change the ranges of the tree.
     virtual PaperScene scene() const noexcept = 0;

@@ -1,6 +1,7 @@
 #include <lightcull/instruction_set.h>
 #include <lightcull/lightcull.h>
 #include <lightcull/sets.h>
+#include <lightcull/version.h>
 
 #include <algorithm>
 #include <string>
@@ -26,7 +27,7 @@ uint32_t lightcull_set_of_sample(uint32_t x, uint32_t y, uint32_t sample, uint32
 }
 
 const char* lightcull_version(void) {
-    return LIGHTCULL_PROJECT_VERSION;
+    return lightcull::version();
 }
 
 const char* lightcull_instruction_set(void) {

@@ -7,6 +7,7 @@
 #include <limits>
 #include <vector>
 
+#include "base/core_export.h"
 #include "lights/light/importance.h"
 #include "lights/light/light_record.h"
 #include "lights/light/receiver.h"
@@ -34,7 +35,7 @@ bool reaches(const LightRecord& light, const Approach& way, const Receiver& x) n
 /// the units of the frame: 1 / alpha_i is reach * intensity. From options.error_bound, or by
 /// bisection for options.expected_accepted of them per point, of those that can reach it. points:
 /// SamplerContext::calibration_points. Throws Error for points that are not finite.
-float calibrate_reach(const RangedScene& scene, const RangeOptions& options,
-                      Span<const ShadingPoint> points, RangeLaw law);
+LIGHTCULL_CORE_EXPORT float calibrate_reach(const RangedScene& scene, const RangeOptions& options,
+                                            Span<const ShadingPoint> points, RangeLaw law);
 
 }  // namespace lightcull

@@ -4,12 +4,13 @@
 
 #include <memory>
 
+#include "base/core_export.h"
 #include "lights/light/light_record.h"
 
 namespace lightcull {
 
 /// What make_directed_culled_sampler() makes, to be told from other samplers.
-class DirectedCulledSamplerBase : public LightSampler {};
+class LIGHTCULL_CORE_EXPORT DirectedCulledSamplerBase : public LightSampler {};
 
 /// `culled` for lights of which some are glossy points: each has a range of its own, which depends
 /// on the direction. reach, set_count: as of RandomRanges.

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 
+#include "base/core_export.h"
 #include "lights/light/receiver.h"
 
 namespace lightcull {
@@ -23,6 +24,6 @@ struct RangeKernels {
 };
 
 /// Those for the instruction set in use.
-const RangeKernels& range_kernels() noexcept;
+LIGHTCULL_CORE_EXPORT const RangeKernels& range_kernels() noexcept;
 
 }  // namespace lightcull

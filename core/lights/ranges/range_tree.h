@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "base/core_export.h"
 #include "lights/ranges/ranges.h"
 #include "lights/ranges/sphere_tree.h"
 #include "lights/ranges/sphere_tree_refit.h"
@@ -16,7 +17,7 @@ namespace lightcull {
 
 /// The sphere tree with the random ranges of a pass: finds what is accepted at a point. Lights are
 /// numbered by record, in the order of the tree's leaves.
-class RangeTree {
+class LIGHTCULL_CORE_EXPORT RangeTree {
   public:
     /// Has no ranges before the first begin_pass().
     RangeTree(Span<const RangedLight> lights, const RandomRanges& ranges);

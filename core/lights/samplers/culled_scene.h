@@ -2,6 +2,7 @@
 
 #include <lightcull/light_sampler.h>
 
+#include "base/core_export.h"
 #include "lights/groups/light_groups.h"
 #include "lights/light/light_record.h"
 #include "lights/ranges/range_tree.h"
@@ -16,7 +17,7 @@ struct CulledScene {
 };
 
 /// `culled`, for back ends that choose as it does.
-class CulledSamplerBase : public LightSampler {
+class LIGHTCULL_CORE_EXPORT CulledSamplerBase : public LightSampler {
   public:
     /// Lives as long as the sampler. Passes change the ranges of the tree.
     virtual CulledScene scene() const noexcept = 0;

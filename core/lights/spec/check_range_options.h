@@ -2,9 +2,11 @@
 
 #include <lightcull/samplers.h>
 
+#include "base/core_export.h"
+
 namespace lightcull {
 
 /// Throws Error, with a message that names the option, if one makes no sense.
-void check_range_options(const RangeOptions& options);
+LIGHTCULL_CORE_EXPORT void check_range_options(const RangeOptions& options);
 
 }  // namespace lightcull

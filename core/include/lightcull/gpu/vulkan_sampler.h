@@ -1,5 +1,6 @@
 #pragma once
 
+#include <lightcull/export.h>
 #include <lightcull/light_sampler.h>
 
 #include <memory>
@@ -16,7 +17,7 @@ struct VulkanDevice {
 
 /// Those of this machine, best first: GPUs of their own, integrated ones, others, processors.
 /// Throws Error where there is no Vulkan.
-std::vector<VulkanDevice> vulkan_devices();
+LIGHTCULL_EXPORT std::vector<VulkanDevice> vulkan_devices();
 
 struct VulkanOptions {
     std::string device;             ///< part of its name; empty: the first that can be used
@@ -38,7 +39,7 @@ struct VulkanOptions {
 /// select(), which cannot throw, goes on with the sampler it was made from, whose selections are as
 /// good; the next begin_pass() begins its pass there and then throws Error, once. A host may then
 /// go on or stop. One that does not answer is waited for once more when it is let go of.
-std::unique_ptr<LightSampler> make_vulkan_sampler(std::unique_ptr<LightSampler> sampler,
-                                                  const VulkanOptions& options = {});
+LIGHTCULL_EXPORT std::unique_ptr<LightSampler> make_vulkan_sampler(
+    std::unique_ptr<LightSampler> sampler, const VulkanOptions& options = {});
 
 }  // namespace lightcull

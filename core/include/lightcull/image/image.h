@@ -1,5 +1,6 @@
 #pragma once
 
+#include <lightcull/export.h>
 #include <lightcull/float3.h>
 #include <lightcull/span.h>
 
@@ -22,23 +23,24 @@ enum class PixelType { kHalf, kFloat };
 
 /// Reads any format that OpenImageIO knows. 8- and 16-bit images are taken as sRGB unless
 /// `linear_data` (roughness maps and the like). Throws Error with the path and the reason.
-Image read_image(const std::string& path, bool linear_data = false);
+LIGHTCULL_EXPORT Image read_image(const std::string& path, bool linear_data = false);
 
 /// Writes an OpenEXR file, with `metadata` as string attributes. The file appears whole or not at
 /// all. Throws Error with the path and the reason.
-void write_exr(const std::string& path, const Image& image, PixelType type,
-               const std::map<std::string, std::string>& metadata = {});
+LIGHTCULL_EXPORT void write_exr(const std::string& path, const Image& image, PixelType type,
+                                const std::map<std::string, std::string>& metadata = {});
 
 /// Writes an 8-bit PNG of an image that has been through a view. As write_exr().
-void write_png(const std::string& path, const Image& display,
-               const std::map<std::string, std::string>& metadata = {});
+LIGHTCULL_EXPORT void write_png(const std::string& path, const Image& display,
+                                const std::map<std::string, std::string>& metadata = {});
 
 /// Names of the views there are, the default first: "aces" and "srgb", or those of the
 /// configuration that $OCIO names.
-std::vector<std::string> view_names();
+LIGHTCULL_EXPORT std::vector<std::string> view_names();
 
 /// What a display shows of a linear image: values in [0, 1], encoded. Throws Error for an unknown
 /// view, with the names there are.
-Image apply_view(const Image& linear, std::string_view view, float exposure_stops = 0.0f);
+LIGHTCULL_EXPORT Image apply_view(const Image& linear, std::string_view view,
+                                  float exposure_stops = 0.0f);
 
 }  // namespace lightcull

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <lightcull/export.h>
 #include <lightcull/span.h>
 
 #include <string>
@@ -11,6 +12,6 @@ namespace lightcull {
 /// to the disk, too. What a process that was killed has left beside it is removed by the next write
 /// of that name. A file of that name is replaced, and where it is a link, what it leads to; a
 /// folder, device or pipe is not. Throws Error with the path and the reason.
-void write_whole_file(const std::string& path, Span<const unsigned char> bytes);
+LIGHTCULL_EXPORT void write_whole_file(const std::string& path, Span<const unsigned char> bytes);
 
 }  // namespace lightcull

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <lightcull/export.h>
 #include <lightcull/light_sampler.h>
 #include <lightcull/render/scene.h>
 #include <lightcull/samplers.h>
@@ -55,7 +56,7 @@ struct RendererMemory {
 
 /// A progressive path tracer: each pass adds one sample to every pixel. The result depends on the
 /// scene, the settings and the sampler, never on the number of threads.
-class Renderer {
+class LIGHTCULL_EXPORT Renderer {
   public:
     /// Throws Error if the settings make no sense. The sampler is this renderer's alone.
     Renderer(std::shared_ptr<const Scene> scene, const RenderSettings& settings,
@@ -87,19 +88,23 @@ class Renderer {
 
 /// First hits of camera rays at about `count` pixels spread over the image, with the normal towards
 /// the camera. Fewer where rays leave the scene.
-std::vector<ShadingPoint> camera_points(const Scene& scene, const RenderSettings& settings,
-                                        std::uint32_t count);
+LIGHTCULL_EXPORT std::vector<ShadingPoint> camera_points(const Scene& scene,
+                                                         const RenderSettings& settings,
+                                                         std::uint32_t count);
 
 /// The points at which the renderer asks `sampler` for lights when paths are `depth` edges long, of
 /// one pass, in its order and with its sets. depth 1: what camera rays hit, a point per pixel at
 /// most; 2 and 3: after one and two bounces. Empty if the scene has no lights. Traced in the
 /// caller's TBB arena.
-std::vector<ShadingPoint> path_points(const Scene& scene, const RenderSettings& settings,
-                                      const LightSampler& sampler, std::uint32_t depth);
+LIGHTCULL_EXPORT std::vector<ShadingPoint> path_points(const Scene& scene,
+                                                       const RenderSettings& settings,
+                                                       const LightSampler& sampler,
+                                                       std::uint32_t depth);
 
 /// A sampler over the scene's lights by its description (see make_sampler), calibrated on points
 /// that paths of this scene meet.
-std::unique_ptr<LightSampler> make_scene_sampler(std::string_view description, const Scene& scene,
-                                                 const RenderSettings& settings);
+LIGHTCULL_EXPORT std::unique_ptr<LightSampler> make_scene_sampler(std::string_view description,
+                                                                  const Scene& scene,
+                                                                  const RenderSettings& settings);
 
 }  // namespace lightcull

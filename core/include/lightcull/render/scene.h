@@ -1,5 +1,6 @@
 #pragma once
 
+#include <lightcull/export.h>
 #include <lightcull/float3.h>
 #include <lightcull/light.h>
 #include <lightcull/span.h>
@@ -82,7 +83,7 @@ struct SceneData;
 
 /// Geometry, materials, emitters and a camera. Fill it, commit() it, then share it between any
 /// number of renderers and threads. Every add_ and set_ checks what it is given and throws Error.
-class Scene {
+class LIGHTCULL_EXPORT Scene {
   public:
     Scene();
     ~Scene();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <lightcull/export.h>
 #include <lightcull/light_sampler.h>
 #include <lightcull/render/scene.h>
 #include <lightcull/span.h>
@@ -10,7 +11,7 @@
 namespace lightcull {
 
 /// Shadow rays from points towards the lights chosen for them, to measure what one costs.
-class ShadowRays {
+class LIGHTCULL_EXPORT ShadowRays {
   public:
     /// One for each point whose selection has a prob above 0, to the middle of the light's bounds.
     /// The scene must be committed and stay alive; selections are of its lights, one per point.

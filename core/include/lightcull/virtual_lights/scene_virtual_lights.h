@@ -1,5 +1,6 @@
 #pragma once
 
+#include <lightcull/export.h>
 #include <lightcull/render/scene.h>
 
 #include <cstdint>
@@ -14,7 +15,7 @@ namespace lightcull {
 ///
 /// Throws Error for numbers that make no sense, for a scene that is committed or has virtual lights
 /// already, and if a material is a perfect mirror. Without any light it adds none.
-void add_virtual_lights(Scene& scene, std::uint32_t light_paths, std::uint32_t bounces,
-                        std::uint64_t seed = 0);
+LIGHTCULL_EXPORT void add_virtual_lights(Scene& scene, std::uint32_t light_paths,
+                                         std::uint32_t bounces, std::uint64_t seed = 0);
 
 }  // namespace lightcull

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <lightcull/export.h>
 #include <lightcull/float3.h>
 #include <lightcull/light_sampler.h>
 #include <lightcull/render/renderer.h>
@@ -98,7 +99,7 @@ struct VirtualLightOptions {
 /// tile (1 to 64; vpl_culled, vpl_clamped); alpha, samples, build (gather | scatter; vpl_grid);
 /// points, map_culling (on | off; shadows=maps). Throws Error for what is unknown or makes no
 /// sense.
-VirtualLightOptions parse_virtual_light_method(std::string_view description);
+LIGHTCULL_EXPORT VirtualLightOptions parse_virtual_light_method(std::string_view description);
 
 /// What virtual lights took, over all passes. Seconds are those of processors, all threads of the
 /// process together.
@@ -138,7 +139,7 @@ struct LightsOfPixel {
 /// Light from a virtual light falls off as 1 / max(d^2, s^2 / n), with s the extent of all n
 /// virtual lights: nearer than that they are too few for their patch of the surface. On surfaces
 /// with interpolated normals a virtual light takes its cosine from those.
-class VirtualLightRenderer {
+class LIGHTCULL_EXPORT VirtualLightRenderer {
   public:
     /// settings.max_depth: 3 to 5, for one to three bounces. `sampler` is for direct light. Throws
     /// Error if the settings or options make no sense, if a material is a perfect mirror, whose
