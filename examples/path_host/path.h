@@ -1,0 +1,48 @@
+#pragma once
+
+// A path, and the steps that take it from one surface to the next. They are the same for all orders
+// of work, and all that has to do with multiple importance sampling is here.
+
+#include <lightcull/light_sampler.h>
+
+#include <cstdint>
+
+#include "host.h"
+#include "surface.h"
+
+namespace host {
+
+struct Path {
+    Random random;
+    Ray ray;
+    float3 weight{1, 1, 1};
+    float3 radiance{0, 0, 0};  ///< what the path has brought to the camera
+
+    // Where the ray comes from. MIS asks for it when the ray hits a light.
+    bool from_camera = true;
+    lightcull::ShadingPoint left;
+    lightcull::Receipt receipt;
+    float bsdf_pdf = 0.0f;
+
+    // Where the ray has arrived.
+    Surface surface;
+    float3 position;
+};
+
+/// A camera ray for a sample of a pixel.
+Path start(const Scene& scene, const Job& job, std::uint32_t pixel, std::uint32_t sample);
+
+/// Follows the ray, and adds the light that it meets. False where the path ends.
+bool arrive(const Scene& scene, const lightcull::LightSelector& selector, std::uint32_t bounce,
+            Path& path);
+
+/// What lightcull wants to know of the surface where the path is.
+lightcull::ShadingPoint shading_point(const Path& path, std::uint32_t set);
+
+/// Light sampling: adds light from the emitter that was selected, and from the sky.
+void add_light(const Scene& scene, const lightcull::Selection& selection, Path& path);
+
+/// BSDF sampling: the next ray. It takes along what MIS will ask for. False where the path ends.
+bool leave(const lightcull::ShadingPoint& point, const lightcull::Selection& selection, Path& path);
+
+}  // namespace host
