@@ -1,9 +1,11 @@
 #include "base/description.h"
 #include "lights/spec/check_range_options.h"
 
+#include <lightcull/error.h>
 #include <lightcull/virtual_lights/virtual_light_renderer.h>
 
 #include <cmath>
+#include <string>
 
 namespace lightcull {
 namespace {
@@ -37,21 +39,15 @@ void take_range(Description& description, RangeOptions& range) {
     }
     description.take_number("accepted", range.expected_accepted);
     description.take_number("exposure", range.exposure);
-    check_range_options(range);
 }
 
 void take_culling(Description& description, VirtualLightOptions& options) {
     constexpr Named<VirtualLightCulling> kCullings[] = {
         {"tiles", VirtualLightCulling::kTiles}, {"splatting", VirtualLightCulling::kSplatting}};
     take_named(description, "culling", kCullings, options.culling);
-    if (options.culling == VirtualLightCulling::kSplatting) {
-        if (options.shadows != VirtualShadows::kNone) {
-            description.fail("culling=splatting is for shadows=none");
-        }
-        return;
+    if (options.culling == VirtualLightCulling::kTiles) {
+        description.take_number("tile", options.tile);
     }
-    description.take_number("tile", options.tile);
-    if (options.tile < 1 || options.tile > 64) description.fail("tile is not in [1, 64]");
 }
 
 void take_grid(Description& description, VirtualLightOptions& options) {
@@ -60,42 +56,59 @@ void take_grid(Description& description, VirtualLightOptions& options) {
     description.take_number("alpha", options.alpha);
     description.take_number("samples", options.shadow_samples);
     take_named(description, "build", kBuilds, options.grid_build);
-    if (!(options.alpha > 0.0f && std::isfinite(options.alpha))) {
-        description.fail("alpha is not finite and above 0");
-    }
-    if (options.shadow_samples < 1 || options.shadow_samples > 1024) {
-        description.fail("samples is not in [1, 1024]");
-    }
 }
 
 void take_maps(Description& description, VirtualLightOptions& options) {
-    constexpr std::uint32_t kMostPoints = 1u << 20;
-    if (options.method == VirtualLightMethod::kGrid) {
-        description.fail("shadows=maps is not for vpl_grid, whose lights have no maps");
-    }
     description.take_number("points", options.map_points);
     description.take_choice("map_culling", "on", "off", options.map_culling);
-    if (options.map_points < 1 || options.map_points > kMostPoints) {
-        description.fail("points is not in [1, 1048576]");
+}
+
+void check_within(const char* name, std::uint32_t value, std::uint32_t least, std::uint32_t most) {
+    if (value >= least && value <= most) return;
+    throw Error(std::string(name) + " is not in [" + std::to_string(least) + ", " +
+                std::to_string(most) + "]");
+}
+
+void check_grid(const VirtualLightOptions& options) {
+    if (!(options.alpha > 0.0f && std::isfinite(options.alpha))) {
+        throw Error("alpha is not finite and above 0");
+    }
+    check_within("samples", options.shadow_samples, 1, 1024);
+}
+
+void check_culling(const VirtualLightOptions& options) {
+    check_range_options(options.range);
+    if (options.culling == VirtualLightCulling::kTiles) {
+        check_within("tile", options.tile, 1, 64);
+    } else if (options.shadows != VirtualShadows::kNone) {
+        throw Error("culling=splatting is for shadows=none");
     }
 }
 
-void check(const Description& description, const VirtualLightOptions& options) {
-    constexpr std::uint32_t kMostPaths = 1u << 26;
-    if (options.light_paths < 1 || options.light_paths > kMostPaths) {
-        description.fail("lights is not in [1, 67108864]");
+void check_maps(const VirtualLightOptions& options) {
+    if (options.method == VirtualLightMethod::kGrid) {
+        throw Error("shadows=maps is not for vpl_grid, whose lights have no maps");
     }
-    const auto edge = std::lround(std::sqrt(static_cast<double>(options.light_paths)));
-    if (options.source == VirtualLightSource::kShadowMap && edge * edge != options.light_paths) {
-        description.fail("lights: a shadow map has a square number of texels");
-    }
-    const std::uint32_t n = options.interleave;
-    if (n != 1 && n != 2 && n != 4 && n != 8) {
-        description.fail("interleave is not 1, 2, 4 or 8");
-    }
+    check_within("points", options.map_points, 1, 1u << 20);
 }
 
 }  // namespace
+
+void check_virtual_light_options(const VirtualLightOptions& options) {
+    using Method = VirtualLightMethod;
+    if (options.method == Method::kGrid) check_grid(options);
+    if (options.method == Method::kCulled || options.method == Method::kClamped) {
+        check_culling(options);
+    }
+    if (options.shadows == VirtualShadows::kMaps) check_maps(options);
+    check_within("lights", options.light_paths, 1, 1u << 26);
+    const auto edge = std::lround(std::sqrt(static_cast<double>(options.light_paths)));
+    if (options.source == VirtualLightSource::kShadowMap && edge * edge != options.light_paths) {
+        throw Error("lights: a shadow map has a square number of texels");
+    }
+    const std::uint32_t n = options.interleave;
+    if (n != 1 && n != 2 && n != 4 && n != 8) throw Error("interleave is not 1, 2, 4 or 8");
+}
 
 VirtualLightOptions parse_virtual_light_method(std::string_view text) {
     using Method = VirtualLightMethod;
@@ -146,7 +159,11 @@ VirtualLightOptions parse_virtual_light_method(std::string_view text) {
     }
     if (options.shadows == VirtualShadows::kMaps) take_maps(description, options);
     description.check_all_taken();
-    check(description, options);
+    try {
+        check_virtual_light_options(options);
+    } catch (const Error& error) {
+        description.fail(error.what());
+    }
     return options;
 }
 

@@ -244,6 +244,7 @@ VirtualLightRenderer::VirtualLightRenderer(std::shared_ptr<const Scene> scene,
                                            const VirtualLightOptions& options,
                                            std::unique_ptr<LightSampler> sampler) {
     if (scene == nullptr) throw Error("renderer: there is no scene");
+    check_virtual_light_options(options);
     check_depth(settings);
     check_for_virtual_lights(data_of(*scene));
     if (options.source == VirtualLightSource::kShadowMap) check_shadow_map_sources(data_of(*scene));

@@ -102,6 +102,23 @@ LIGHTCULL_C_API lightcull_error lightcull_triangle_light(const float a[3], const
                                                          const float c[3], float radiance,
                                                          int two_sided, lightcull_light* light);
 
+/// A sphere that emits `radiance` (luminance, W/(m^2 sr)) from all of its outside. center, radius:
+/// metres.
+LIGHTCULL_C_API lightcull_error lightcull_sphere_light(const float center[3], float radius,
+                                                       float radiance, lightcull_light* light);
+
+/// A disc that emits `radiance` (luminance, W/(m^2 sr)) on the side of `normal` (any length but 0),
+/// or on both where two_sided is not 0. center, radius: metres.
+LIGHTCULL_C_API lightcull_error lightcull_disc_light(const float center[3], const float normal[3],
+                                                     float radius, float radiance, int two_sided,
+                                                     lightcull_light* light);
+
+/// A tube from a to b that emits `radiance` (luminance, W/(m^2 sr)) from its side, but not from its
+/// ends. a, b, radius: metres.
+LIGHTCULL_C_API lightcull_error lightcull_cylinder_light(const float a[3], const float b[3],
+                                                         float radius, float radiance,
+                                                         lightcull_light* light);
+
 /// A point (metres) that emits `intensity` (luminance, W/sr) in all directions.
 LIGHTCULL_C_API lightcull_error lightcull_point_light(const float position[3], float intensity,
                                                       lightcull_light* light);
@@ -262,6 +279,28 @@ LIGHTCULL_C_API lightcull_error lightcull_pass_create(const lightcull_sampler* s
 
 /// Frees a pass that lightcull_pass_create() made. NULL is left alone.
 LIGHTCULL_C_API void lightcull_pass_destroy(lightcull_pass* pass);
+
+/// What lightcull_sampler_update() did.
+typedef struct lightcull_update {
+    uint32_t size;    ///< sizeof(lightcull_update)
+    int32_t rebuilt;  ///< other than 0: the tree was built anew
+    float growth;     ///< how loose the tree had become before that, relative to when it was last
+                      ///< built: 1 is as tight
+} lightcull_update;
+
+#define LIGHTCULL_UPDATE_INIT \
+    { sizeof(lightcull_update), 0, 1 }
+
+/// Lights that have moved, changed or been switched: `count` has to be what the sampler was made
+/// over. The tree is fitted to them where it can be, and built anew if it has grown looser than
+/// max_growth; LightSampler::update() (light_sampler.h) says more. A pass has to begin after it;
+/// those of lightcull_pass_create() stay what they are. update: NULL, or where to write what was
+/// done. Only while nothing selects from the current pass. Fails, and changes nothing, with a text
+/// that names the light and the field.
+LIGHTCULL_C_API lightcull_error lightcull_sampler_update(lightcull_sampler* sampler,
+                                                         const lightcull_light* lights,
+                                                         size_t count, float max_growth,
+                                                         lightcull_update* update);
 
 /// Number of sets of random ranges, a power of 4. 1: it does not matter which a point uses.
 LIGHTCULL_C_API uint32_t lightcull_set_count(const lightcull_pass* pass);

@@ -95,6 +95,25 @@ lightcull_error lightcull_triangle_light(const float a[3], const float b[3], con
     });
 }
 
+lightcull_error lightcull_sphere_light(const float center[3], float radius, float radiance,
+                                       lightcull_light* light) {
+    return set_light(light, {{center, "center"}},
+                     [&] { return sphere_light(to_float3(center), radius, radiance); });
+}
+
+lightcull_error lightcull_disc_light(const float center[3], const float normal[3], float radius,
+                                     float radiance, int two_sided, lightcull_light* light) {
+    return set_light(light, {{center, "center"}, {normal, "normal"}}, [&] {
+        return disc_light(to_float3(center), to_float3(normal), radius, radiance, two_sided != 0);
+    });
+}
+
+lightcull_error lightcull_cylinder_light(const float a[3], const float b[3], float radius,
+                                         float radiance, lightcull_light* light) {
+    return set_light(light, {{a, "a"}, {b, "b"}},
+                     [&] { return cylinder_light(to_float3(a), to_float3(b), radius, radiance); });
+}
+
 lightcull_error lightcull_point_light(const float position[3], float intensity,
                                       lightcull_light* light) {
     return set_light(light, {{position, "position"}},

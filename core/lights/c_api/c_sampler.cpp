@@ -99,6 +99,21 @@ lightcull_error lightcull_sampler_begin_pass(lightcull_sampler* sampler, uint64_
     });
 }
 
+lightcull_error lightcull_sampler_update(lightcull_sampler* sampler, const lightcull_light* lights,
+                                         size_t count, float max_growth, lightcull_update* update) {
+    return guarded([&] {
+        check_not_null(sampler, "sampler");
+        if (update != nullptr && update->size != sizeof(lightcull_update)) {
+            throw Error("update: size is " + std::to_string(update->size) + ", wanted " +
+                        std::to_string(sizeof(lightcull_update)) + ", sizeof(lightcull_update)");
+        }
+        const LightUpdate done = to_cpp(sampler)->update(to_cpp(lights, count), max_growth);
+        if (update == nullptr) return;
+        update->rebuilt = done.rebuilt ? 1 : 0;
+        update->growth = done.growth;
+    });
+}
+
 const lightcull_pass* lightcull_sampler_current_pass(const lightcull_sampler* sampler) {
     return to_c(static_cast<const LightSelector*>(to_cpp(sampler)));
 }

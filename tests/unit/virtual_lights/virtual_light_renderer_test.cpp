@@ -393,6 +393,18 @@ TEST_CASE("virtual lights: bad input is refused, nothing to do is done") {
         "reflective shadow map: only spots and the environment can have one, and "
         "something else emits",
         Error);
+    const auto refused = [&](void (*spoil)(VirtualLightOptions&), const char* why) {
+        VirtualLightOptions options;
+        spoil(options);
+        CHECK_THROWS_WITH_AS(VirtualLightRenderer(scene, square_image(8, 3), options,
+                                                  make_sampler(UniformOptions{}, scene->lights())),
+                             why, Error);
+    };
+    refused([](auto& o) { o.tile = 0; }, "tile is not in [1, 64]");
+    refused([](auto& o) { o.interleave = 3; }, "interleave is not 1, 2, 4 or 8");
+    refused([](auto& o) { o.light_paths = 0; }, "lights is not in [1, 67108864]");
+    refused([](auto& o) { o.range.exposure = -1.0f; },
+            "exposure is -1.000000, wanted finite and above 0");
     CHECK_THROWS_WITH_AS(VirtualLightRenderer(nullptr, square_image(8, 3), {}, nullptr),
                          "renderer: there is no scene", Error);
     const auto too_many =

@@ -90,6 +90,10 @@ struct VirtualLightOptions {
     GridBuild grid_build = GridBuild::kGather;
 };
 
+/// Throws Error, with a message that names the option, if one makes no sense. Whatever takes
+/// options does this first.
+LIGHTCULL_EXPORT void check_virtual_light_options(const VirtualLightOptions& options);
+
 /// Options by their description: a name, then options, as in "vpl_culled",
 /// "vpl_culled:lights=65536:shadows=none", "vpl_clamped:error_bound=0.01". Names: vpl_all (1024
 /// lights, no interleaving and no filter unless told), vpl_culled, vpl_clamped, vpl_grid. Options:

@@ -249,3 +249,46 @@ TEST_CASE("where memory lacks, C gets an error and selections are left as they w
     CHECK(selections[0].prob > 0.0f);
     lightcull_sampler_destroy(sampler);
 }
+
+TEST_CASE("C: lights that move are chosen as in C++, and what was done is told") {
+    lightcull_light c_lights[3] = {LIGHTCULL_LIGHT_INIT, LIGHTCULL_LIGHT_INIT,
+                                   LIGHTCULL_LIGHT_INIT};
+    const float center[3] = {0, 2, 0}, normal[3] = {0, -1, 0}, end[3] = {1, 2, 3};
+    REQUIRE(lightcull_sphere_light(center, 0.5f, 2.0f, &c_lights[0]) == LIGHTCULL_OK);
+    REQUIRE(lightcull_disc_light(center, normal, 0.5f, 2.0f, 1, &c_lights[1]) == LIGHTCULL_OK);
+    REQUIRE(lightcull_cylinder_light(center, end, 0.1f, 2.0f, &c_lights[2]) == LIGHTCULL_OK);
+    std::vector<Light> lights{sphere_light({0, 2, 0}, 0.5f, 2.0f),
+                              disc_light({0, 2, 0}, {0, -1, 0}, 0.5f, 2.0f, true),
+                              cylinder_light({0, 2, 0}, {1, 2, 3}, 0.1f, 2.0f)};
+    const auto sampler = make_sampler("culled:sets=4", lights);
+    lightcull_sampler* c_sampler = nullptr;
+    REQUIRE(lightcull_sampler_create("culled:sets=4", c_lights, 3, nullptr, &c_sampler) ==
+            LIGHTCULL_OK);
+    c_lights[0].center[0] = 3.0f;
+    lights[0].center.x = 3.0f;
+    const LightUpdate done = sampler->update(lights);
+    lightcull_update update = LIGHTCULL_UPDATE_INIT;
+    REQUIRE(lightcull_sampler_update(c_sampler, c_lights, 3, 2.0f, &update) == LIGHTCULL_OK);
+    CHECK((update.rebuilt != 0) == done.rebuilt);
+    CHECK(update.growth == done.growth);
+    sampler->begin_pass(4);
+    REQUIRE(lightcull_sampler_begin_pass(c_sampler, 4) == LIGHTCULL_OK);
+    for (int i = 0; i < 50; ++i) {
+        const float x = 0.1f * static_cast<float>(i), u = 0.02f * static_cast<float>(i);
+        lightcull_shading_point point = LIGHTCULL_SHADING_POINT_INIT;
+        point.position[0] = x;
+        lightcull_selection c_selection;
+        lightcull_select(lightcull_sampler_current_pass(c_sampler), &point, u, &c_selection);
+        const Selection selection = sampler->select({{x, 0, 0}, {0, 0, 0}, 0}, u);
+        CHECK(c_selection.light == selection.light);
+        CHECK(c_selection.prob == selection.prob);
+    }
+    CHECK(lightcull_sampler_update(c_sampler, c_lights, 2, 2.0f, nullptr) ==
+          LIGHTCULL_INVALID_ARGUMENT);
+    CHECK(std::string(lightcull_last_error()) ==
+          "update: there are 2 lights, and the sampler was made over 3");
+    update.size = 1;
+    CHECK(lightcull_sampler_update(c_sampler, c_lights, 3, 2.0f, &update) ==
+          LIGHTCULL_INVALID_ARGUMENT);
+    lightcull_sampler_destroy(c_sampler);
+}

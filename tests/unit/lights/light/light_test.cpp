@@ -124,3 +124,22 @@ TEST_CASE("bad lights are named by number and field") {
     CHECK(names(message([](Light& l) { l.cos_theta_o = 1.5f; }), "cos_theta_o"));
     CHECK(names(message([](Light& l) { l.cos_theta_e = -0.5f; }), "cos_theta_e"));
 }
+
+TEST_CASE("spheres, discs and tubes have the intensity of what one sees of them") {
+    const Light sphere = sphere_light({1, 2, 3}, 0.5f, 4.0f);
+    CHECK(sphere.radius == 0.5f);
+    CHECK(sphere.cos_theta_o == -1.0f);
+    CHECK(sphere.intensity == doctest::Approx(4.0 * 3.14159265 * 0.25));
+    const Light disc = disc_light({1, 2, 3}, {0, 0, -3}, 0.5f, 4.0f, true);
+    CHECK(disc.axis.z == -1.0f);
+    CHECK(disc.cos_theta_o == 1.0f);
+    CHECK(disc.two_sided);
+    CHECK(disc.intensity == sphere.intensity);
+    CHECK(disc.radius == 0.5f);
+    // A rectangle of 2 r by its length, from across.
+    const Light tube = cylinder_light({0, 0, 0}, {0, 0, 6}, 0.25f, 4.0f);
+    CHECK(tube.intensity == doctest::Approx(4.0 * 0.5 * 6.0));
+    CHECK(tube.center.z == 3.0f);
+    CHECK(tube.radius == doctest::Approx(std::hypot(3.0, 0.25)));
+    CHECK(tube.radius >= std::hypot(3.0f, 0.25f));
+}
