@@ -1,3 +1,4 @@
+#include <lightcull/error.h>
 #include <lightcull/render/renderer.h>
 #include <lightcull/sets.h>
 
@@ -66,12 +67,22 @@ class InterruptibleRenderer : public Interruptible<Renderer> {
     std::shared_ptr<const Scene> scene_;
 };
 
+DirectLight direct_light_of(const std::string& name) {
+    if (name == "mis") return DirectLight::kMis;
+    if (name == "lights") return DirectLight::kLights;
+    if (name == "bsdf") return DirectLight::kBsdf;
+    throw Error("direct_light is '" + name + "'; there are mis, lights, bsdf");
+}
+
 std::unique_ptr<InterruptibleRenderer> make_renderer(const std::shared_ptr<Scene>& scene,
                                                      const std::string& sampler,
                                                      std::uint32_t width, std::uint32_t height,
                                                      std::uint32_t max_depth, std::uint64_t seed,
-                                                     std::uint32_t threads) {
-    const RenderSettings settings = make_render_settings(width, height, max_depth, seed, threads);
+                                                     std::uint32_t threads, std::uint32_t rr_depth,
+                                                     const std::string& direct_light) {
+    RenderSettings settings = make_render_settings(width, height, max_depth, seed, threads);
+    settings.rr_depth = rr_depth;
+    settings.direct_light = direct_light_of(direct_light);
     const py::gil_scoped_release release;
     return std::make_unique<InterruptibleRenderer>(scene, sampler, settings);
 }
@@ -103,7 +114,8 @@ void bind_renderer(py::module_& module) {
         .def_readonly("accepted", &MeanCounts::accepted);
     py::class_<InterruptibleRenderer>(module, "Renderer")
         .def(py::init(&make_renderer), py::arg("scene"), py::arg("sampler"), py::arg("width"),
-             py::arg("height"), py::arg("max_depth"), py::arg("seed"), py::arg("threads"))
+             py::arg("height"), py::arg("max_depth"), py::arg("seed"), py::arg("threads"),
+             py::arg("rr_depth"), py::arg("direct_light"))
         .def("render_pass", &InterruptibleRenderer::render_pass)
         .def("image", &InterruptibleRenderer::image)
         .def("sums", &InterruptibleRenderer::sums)

@@ -67,6 +67,18 @@ class SharedSampler : public SharedSelector {
         return std::make_unique<SharedSelector>(sampler_->pass(number), light_count());
     }
 
+    /// Whether the tree was built anew, and its growth. Pass 0 begins.
+    std::pair<bool, float> update(const py::object& lights, float max_growth) {
+        const py::buffer_info info = read_array(lights, "lights", {light_dtype(), {-1}});
+        const Span<const Light> span(static_cast<const Light*>(info.ptr),
+                                     static_cast<std::size_t>(info.size));
+        const py::gil_scoped_release release;
+        const std::unique_lock lock(mutex_);
+        const LightUpdate done = sampler_->update(span, max_growth);
+        sampler_->begin_pass(0);
+        return {done.rebuilt, done.growth};
+    }
+
   private:
     std::shared_ptr<LightSampler> sampler_;
 };
@@ -286,7 +298,8 @@ void bind_sampler(py::module_& module) {
         .def("needs_receipt", &SharedSelector::needs_receipt);
     py::class_<SharedSampler, SharedSelector>(module, "LightSampler")
         .def("begin_pass", &SharedSampler::begin_pass)
-        .def("at_pass", &SharedSampler::at_pass);
+        .def("at_pass", &SharedSampler::at_pass)
+        .def("update", &SharedSampler::update);
 }
 
 }  // namespace lightcull::python

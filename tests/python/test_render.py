@@ -155,3 +155,19 @@ def test_half_floats_are_half_as_precise(room: lightcull.Scene, tmp_path: Path) 
     read = lightcull.read_image(tmp_path / "half.exr")
     assert np.array_equal(read, image.astype(np.float16).astype(np.float32))
     assert not np.array_equal(read, image)
+
+
+def test_how_paths_end_and_direct_light_is_sampled_can_be_said(room: lightcull.Scene) -> None:
+    def render(**settings: object) -> np.ndarray:
+        return lightcull.render(room, spp=2, size=(24, 16), max_depth=6, **settings).image
+
+    default = render()
+    np.testing.assert_array_equal(render(rr_depth=5, direct_light="mis"), default)
+    assert not np.array_equal(render(rr_depth=1), default)
+    assert not np.array_equal(render(direct_light="lights"), default)
+    with pytest.raises(lightcull.Error, match="direct_light: wanted one of mis, lights, bsdf"):
+        render(direct_light="both")
+    with pytest.raises(lightcull.Error, match="rr_depth"):
+        render(rr_depth=0)
+    with pytest.raises(lightcull.Error, match="are for paths"):
+        render(rr_depth=2, method="vpl_culled")

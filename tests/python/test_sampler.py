@@ -82,6 +82,23 @@ def test_passes_at_once_are_those_of_begin_pass() -> None:
         sampler.at_pass(-1)
 
 
+def test_lights_move() -> None:
+    sampler = lightcull.LightSampler(LIGHTS, "culled:sets=16")
+    moved = LIGHTS.copy()
+    moved["center"] += np.float32(0.01)
+    rebuilt, growth = sampler.update(moved)
+    assert not rebuilt
+    assert growth == pytest.approx(1, rel=0.3)
+    chosen = sampler.select(POSITIONS, NORMALS, floats(len(POSITIONS)))
+    assert (chosen["prob"] > 0).mean() > 0.5
+    dark = moved.copy()
+    dark["intensity"] = 0
+    sampler.update(dark)
+    assert not sampler.select(POSITIONS, NORMALS, floats(len(POSITIONS)))["prob"].any()
+    with pytest.raises(lightcull.Error, match="there are 3 lights"):
+        sampler.update(LIGHTS[:3].copy())
+
+
 def test_uniform_and_power_are_what_they_say() -> None:
     u = floats(len(POSITIONS))
     chosen = lightcull.LightSampler(LIGHTS, "uniform").select(POSITIONS, NORMALS, u)

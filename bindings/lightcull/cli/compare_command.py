@@ -25,6 +25,8 @@ def run(options: CompareOptions, messages: Console) -> bool:
             max_depth=options.max_depth,
             seed=options.seed,
             threads=options.threads,
+            rr_depth=options.rr_depth,
+            direct_light=options.direct_light,
             reference_seconds=options.reference_seconds,
             folder=options.folder,
             command=options.command,

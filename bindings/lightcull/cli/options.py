@@ -20,7 +20,7 @@ from ..images import apply_view, check_format
 from ..methods.studies import MOST_LIGHTS
 from ..output_files import check_output, check_writable
 from ..rendering.method import PATH
-from ..rendering.settings import RenderSettings
+from ..rendering.settings import RR_DEPTH, RenderSettings
 from ..scene import Scene
 from .bench_scenes import SceneMaker, scene_makers
 from .scene_option import BOUNCED_DEPTH, MAX_DEPTH, SIZE, AnyScene, open_any, open_ours
@@ -39,6 +39,8 @@ class RenderOptions:
     max_depth: int
     seed: int
     threads: int
+    rr_depth: int
+    direct_light: str
     output: Path
     view: str | None
     """The view of a .png; None: the first."""
@@ -61,6 +63,8 @@ class CompareOptions:
     max_depth: int
     seed: int
     threads: int
+    rr_depth: int
+    direct_light: str
     reference_seconds: float | None
     folder: Path
     command: str
@@ -146,6 +150,8 @@ def _render(parsed: argparse.Namespace, command: str) -> RenderOptions:
         max_depth=max_depth,
         seed=parsed.seed,
         threads=parsed.threads,
+        rr_depth=parsed.rr_depth or RR_DEPTH,
+        direct_light=parsed.direct_light or "mis",
         output=output,
         view=parsed.view,
         exposure=parsed.exposure or 0.0,
@@ -182,6 +188,8 @@ def _compare(parsed: argparse.Namespace, command: str) -> CompareOptions | Compa
         max_depth=max_depth,
         seed=parsed.seed,
         threads=parsed.threads,
+        rr_depth=parsed.rr_depth or RR_DEPTH,
+        direct_light=parsed.direct_light or "mis",
         reference_seconds=parsed.reference_seconds,
         folder=folder,
         command=command,
@@ -192,7 +200,7 @@ def _compare_methods(parsed: argparse.Namespace, command: str) -> CompareMethods
     folder = _report_folder(parsed)
     if parsed.spp is not None:
         raise Error("--spp: methods are compared in equal time, give --seconds")
-    for name in ("samplers", "reference_seconds"):
+    for name in ("samplers", "reference_seconds", "rr_depth", "direct_light"):
         if getattr(parsed, name) is not None:
             raise Error(f"--{name.replace('_', '-')}: not with --methods")
     scene, size, max_depth = open_any(parsed, BOUNCED_DEPTH)

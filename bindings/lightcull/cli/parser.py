@@ -12,6 +12,7 @@ from ..bench import DEFAULT_THREADS as BENCH_THREADS
 from ..comparing.compare import DEFAULT_SAMPLERS
 from ..methods.studies import MOST_LIGHTS
 from ..rendering.method import METHODS, PATH
+from ..rendering.settings import DIRECT_LIGHT, RR_DEPTH
 from . import argument_types as types
 from . import help_texts as texts
 from .messages import one_line
@@ -201,5 +202,13 @@ def _add_shared(
         "--threads", type=types.from_zero, default=0, metavar="N", help="default: 0, all there are"
     )
     parser.add_argument("--seed", type=types.seed, default=0, metavar="N", help="default: 0")
+    parser.add_argument(
+        "--rr-depth", type=types.from_one, metavar="N",
+        help=f"edges from which Russian roulette may end a path; default: {RR_DEPTH}",
+    )  # fmt: skip
+    parser.add_argument(
+        "--direct-light", choices=DIRECT_LIGHT,
+        help="sample lights and the BSDF (mis), or one of them alone; default: mis",
+    )  # fmt: skip
     parser.add_argument("-o", "--output", metavar="PATH", help=f"{output_help}; default: {output}")
     parser.set_defaults(default_seconds=float(seconds))

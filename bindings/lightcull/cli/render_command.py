@@ -30,6 +30,8 @@ def run(options: RenderOptions, messages: Console) -> bool:
             max_depth=options.max_depth,
             seed=options.seed,
             threads=options.threads,
+            rr_depth=options.rr_depth,
+            direct_light=options.direct_light,
             progress=bars,
             checkpoint=options.checkpoint,
             every=options.every,

@@ -12,7 +12,7 @@ from .._core import Error
 from ..output_files import check_writable
 from ..rendering.budget import Budget
 from ..rendering.progress import Progress, ProgressCallback
-from ..rendering.settings import RenderSettings
+from ..rendering.settings import RR_DEPTH, RenderSettings
 from ..rendering.subject import OwnSubject, Subject
 from ..report import Comparison, Reference, SamplerRun, write
 from ..scene import Scene
@@ -47,6 +47,8 @@ def compare(
     max_depth: int = 2,
     seed: int = 0,
     threads: int = 0,
+    rr_depth: int = RR_DEPTH,
+    direct_light: str = "mis",
     reference_seconds: float | None = None,
     folder: str | os.PathLike[str] | None = None,
     command: str = "",
@@ -57,7 +59,8 @@ def compare(
     The time of a sampler is that of its builds, refits, pilots and passes, equal within 3 %. The
     samplers take turns, so that a noisy machine is fair to all. With spp, each renders as many
     samples per pixel instead. samplers: descriptions as in `LightSampler`. size: width and height,
-    pixels. max_depth: longest path, in edges: 2 is direct light. threads: 0 for all.
+    pixels. max_depth: longest path, in edges: 2 is direct light. rr_depth, direct_light: as in
+    `render`. threads: 0 for all.
 
     The reference is rendered by a sampler that is not under test, or if all are by two, and kept
     in $XDG_CACHE_HOME/lightcull (or ~/.cache/lightcull). reference_seconds: its wall time; without
@@ -83,7 +86,7 @@ def compare(
         subject.check_sampler(description)
     if folder is not None:
         check_writable(folder)
-    settings = RenderSettings(size, max_depth, seed, threads)
+    settings = RenderSettings(size, max_depth, seed, threads, rr_depth, direct_light)
     comparing = _Comparing(subject, samplers, settings, Budget(spp, seconds), progress)
     reference = comparing.reference(reference_seconds)
     comparing.run(reference)

@@ -51,8 +51,11 @@ class ReferenceOrder:
 
     def key(self) -> str:
         """What the image depends on, but for how long it was rendered."""
-        size, max_depth = self.settings.size, self.settings.max_depth
-        parts = (self.scene.digest(), self.samplers, size, max_depth, _SEEDS, machine.build_id())
+        settings = self.settings
+        of_settings = (
+            settings.size, settings.max_depth, settings.rr_depth, settings.direct_light,
+        )  # fmt: skip
+        parts = (self.scene.digest(), self.samplers, of_settings, _SEEDS, machine.build_id())
         return hashlib.blake2b(json.dumps(parts).encode(), digest_size=16).hexdigest()
 
 

@@ -60,7 +60,9 @@ class MitsubaScene:
         if settings.threads:
             # Dr.Jit comes with Mitsuba, which is optional.
             importlib.import_module("drjit").set_thread_count(settings.threads)
-        integrator = self._integrator(sampler, settings.max_depth)
+        if settings.direct_light != "mis":
+            raise Error("direct_light: not for Mitsuba, whose paths sample lights and the BSDF")
+        integrator = self._integrator(sampler, settings)
         return MitsubaJob(sampler, self.scene, integrator, settings.seed, spp)
 
     def reference_samplers(self, under_test: Sequence[str]) -> tuple[str, str]:
@@ -87,12 +89,13 @@ class MitsubaScene:
         if self.size != size:
             raise Error(f"{self.name}: its film cannot be made {size[0]}x{size[1]}")
 
-    def _integrator(self, description: str, max_depth: int) -> Any:
+    def _integrator(self, description: str, settings: RenderSettings) -> Any:
         properties: dict[str, Any] = {"type": PATH}
         if description != PATH:
             properties = {"type": "lightcull_path", "light_sampler": description}
         try:
-            return mitsuba().load_dict(properties | {"max_depth": max_depth})
+            depths = {"max_depth": settings.max_depth, "rr_depth": settings.rr_depth}
+            return mitsuba().load_dict(properties | depths)
         except RuntimeError as error:
             reason = str(error).splitlines()[0].rsplit("] ", 1)[-1]
             raise Error(f"sampler {description!r}: {reason}") from error

@@ -36,6 +36,8 @@ class RenderKey:
     sampler: str
     size: tuple[int, int]
     max_depth: int
+    rr_depth: int
+    direct_light: str
     seed: int
     version: str
     """Of lightcull, down to the build."""

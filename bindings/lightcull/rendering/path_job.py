@@ -20,7 +20,7 @@ class PathJob:
         self._scene = scene.closed()
         self._renderer = _core.Renderer(
             self._scene, sampler, *settings.size, settings.max_depth, settings.seed,
-            settings.threads,
+            settings.threads, settings.rr_depth, settings.direct_light,
         )  # fmt: skip
 
     def render_pass(self) -> None:

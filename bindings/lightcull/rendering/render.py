@@ -19,7 +19,7 @@ from .method import PATH, check_method
 from .path_job import PathJob
 from .progress import Progress, ProgressCallback
 from .result import RenderResult
-from .settings import RenderSettings
+from .settings import RR_DEPTH, RenderSettings
 from .subject import Subject
 from .virtual_light_job import VirtualLightJob
 
@@ -35,6 +35,8 @@ def render(
     max_depth: int = 2,
     seed: int = 0,
     threads: int = 0,
+    rr_depth: int = RR_DEPTH,
+    direct_light: str = "mis",
     progress: ProgressCallback | None = None,
     checkpoint: str | os.PathLike[str] | None = None,
     every: float | None = None,
@@ -47,7 +49,9 @@ def render(
     direct light. method: how light that bounces is found: "path" by paths; "vpl_all", "vpl_culled",
     "vpl_clamped" and "vpl_grid" by virtual lights where light paths meet surfaces, which wants a
     max_depth of 3 to 5 (`lightcull render --help` has their options); the sampler is then for
-    direct light. threads: 0 for all; the image does not depend on it. progress: called between
+    direct light. rr_depth: Russian roulette may end a path from this many edges on. direct_light:
+    "mis" samples lights and the BSDF, "lights" or "bsdf" one of them alone. threads: 0 for all; the
+    image does not depend on it. progress: called between
     passes; what it raises ends the render.
 
     checkpoint: a file to which the render is saved every `every` seconds (60 unless told) and at
@@ -61,7 +65,7 @@ def render(
     more, before that pass is over, is a KeyboardInterrupt.
     """
     budget = Budget(spp, seconds)
-    settings = RenderSettings(size, max_depth, seed, threads)
+    settings = RenderSettings(size, max_depth, seed, threads, rr_depth, direct_light)
     job: Job
     if every is not None and checkpoint is None and resume is None:
         raise Error("every: only with checkpoint or resume")
@@ -106,7 +110,8 @@ def _by_paths(
     """The render, and whether Ctrl-C ended it; saved on the way and at the end if that is wanted."""
     key = RenderKey(
         scene.name, scene.digest(), checks.text("sampler", sampler), settings.size,
-        settings.max_depth, settings.seed, machine.build_id(),
+        settings.max_depth, settings.rr_depth, settings.direct_light, settings.seed,
+        machine.build_id(),
     )  # fmt: skip
     keeper = Keeper(key, checkpoint=checkpoint, every=every, resume=resume)
     before = keeper.before

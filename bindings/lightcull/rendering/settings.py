@@ -5,6 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from .. import checks, memory
+from .._core import Error
+
+DIRECT_LIGHT = ("mis", "lights", "bsdf")
+RR_DEPTH = 5
 
 
 @dataclass(frozen=True)
@@ -15,9 +19,16 @@ class RenderSettings:
     max_depth: int
     seed: int
     threads: int
+    rr_depth: int = RR_DEPTH
+    direct_light: str = "mis"
 
     def __post_init__(self) -> None:
+        if self.direct_light not in DIRECT_LIGHT:
+            raise Error(
+                f"direct_light: wanted one of {', '.join(DIRECT_LIGHT)}, got {self.direct_light!r}"
+            )
         checked = {
+            "rr_depth": checks.whole_number("rr_depth", self.rr_depth, 1),
             "size": checks.size(self.size),
             "max_depth": checks.whole_number("max_depth", self.max_depth, 1),
             "seed": checks.whole_number("seed", self.seed, most=checks.MOST_64_BITS),

@@ -10,7 +10,7 @@ from .. import _core, checks, memory
 from .._core import Error
 from ..scene import Scene
 from .method import check_method
-from .settings import RenderSettings
+from .settings import RR_DEPTH, RenderSettings
 from .statistics import Stats
 
 
@@ -50,6 +50,8 @@ class VirtualLightJob:
     def __init__(self, scene: Scene, method: str, sampler: str, settings: RenderSettings) -> None:
         self.method = check_method(method)
         self.sampler = checks.text("sampler", sampler)
+        if (settings.rr_depth, settings.direct_light) != (RR_DEPTH, "mis"):
+            raise Error(f"{method}: rr_depth and direct_light are for paths")
         if settings.max_depth < 3:
             raise Error(
                 f"{method}: max_depth is {settings.max_depth}: virtual lights give what bounces, "
