@@ -83,10 +83,11 @@ std::vector<std::size_t> pixels_without_lanterns(const Scene& scene) {
     std::vector<std::size_t> pixels;
     Random random(3);
     for (std::size_t pixel = 0; pixel < kPixelCount; ++pixel) {
+        const std::size_t column = pixel % kWidth, row = pixel / kWidth;
         bool seen = false;
         for (int ray = 0; ray < 400 && !seen; ++ray) {
-            const float x = static_cast<float>(pixel % kWidth) + random.uniform();
-            const float y = static_cast<float>(pixel / kWidth) + random.uniform();
+            const float x = static_cast<float>(column) + random.uniform();
+            const float y = static_cast<float>(row) + random.uniform();
             const Hit hit = scene.intersect(
                 scene.camera_ray((2.0f * x - kWidth) / kHeight, (kHeight - 2.0f * y) / kHeight));
             seen = hit.emitter != Hit::kNoEmitter || hit.distance == INFINITY;
@@ -106,6 +107,7 @@ struct Reference {
 std::vector<double> luminances(const Film& film, std::uint32_t samples,
                                const std::vector<std::size_t>& pixels) {
     std::vector<double> values;
+    values.reserve(pixels.size());
     for (const std::size_t pixel : pixels) {
         values.push_back(static_cast<double>(luminance(film[pixel])) / samples);
     }
