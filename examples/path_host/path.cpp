@@ -29,8 +29,9 @@ Path start(const Scene& scene, const Job& job, std::uint32_t pixel, std::uint32_
     // Random numbers by pixel and sample, whatever thread comes upon them.
     path.random = Random(mix(mix(job.seed) + pixel) + sample);
     const auto width = static_cast<float>(job.width), height = static_cast<float>(job.height);
-    const float x = static_cast<float>(pixel % job.width) + path.random.uniform();
-    const float y = static_cast<float>(pixel / job.width) + path.random.uniform();
+    const std::uint32_t column = pixel % job.width, row = pixel / job.width;
+    const float x = static_cast<float>(column) + path.random.uniform();
+    const float y = static_cast<float>(row) + path.random.uniform();
     path.ray = scene.camera_ray((2.0f * x - width) / height, (height - 2.0f * y) / height);
     return path;
 }

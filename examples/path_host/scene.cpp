@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <utility>
 
 namespace host {
 namespace {
@@ -76,9 +77,10 @@ void Scene::hang_lanterns() {
         {{1, 0.55f, 0.2f}, {1, 0.3f, 0.15f}, {1, 0.8f, 0.5f}, {0.4f, 0.6f, 1}}};
     Random random(7);
     for (int i = 0; i < kStrings * kOnEach; ++i) {
-        const float along = 2.0f * static_cast<float>(i % kOnEach) / (kOnEach - 1) - 1.0f;
+        const int string = i / kOnEach, place = i % kOnEach;
+        const float along = 2.0f * static_cast<float>(place) / (kOnEach - 1) - 1.0f;
         const float height = 2.6f + 0.8f * along * along + 0.2f * random.uniform();
-        const float3 center{7.0f * along, height, 3.0f - 0.7f * static_cast<float>(i / kOnEach)};
+        const float3 center{7.0f * along, height, 3.0f - 0.7f * static_cast<float>(string)};
         const float size = 0.05f + 0.04f * random.uniform();
         const float3 colour = kColours[static_cast<std::size_t>(4.0f * random.uniform())];
         const float3 radiance = 3.0f * std::exp(2.5f * random.uniform()) * colour;

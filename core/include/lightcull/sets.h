@@ -13,10 +13,12 @@ namespace lightcull {
 /// that draw, spread evenly. A pass of more is several draws of 256 rotations each, independent of
 /// one another: it is as good as that many passes.
 ///
-/// A host that begins a pass for each sample of the image wants 16 to 256 sets; the set of a camera
-/// point is set_of_pixel(), that of later bounces set_of_packet(). One that selects all its samples
-/// from one pass, or from one for each tile, wants as many sets as there may be; the set of a point
-/// is set_of_sample().
+/// - A host that begins a pass for each sample of the image has 16 to 256 sets, of which camera
+///   points use set_of_pixel() and later bounces set_of_packet().
+/// - A host that finishes tiles has as many sets as it gets by default, shares one pass() among all
+///   tiles for every set_count samples, and uses set_of_sample().
+/// - Where sets are few, or passes must take little memory, each tile takes a pass() of its own for
+///   every set_count samples, 16 sets or more, and uses set_of_sample().
 
 /// The set for camera points of pixel (x, y): its place in a square pattern of `set_count` pixels,
 /// which neighbours never share. set_count is a power of 4. For hosts that begin a pass for each
@@ -34,8 +36,10 @@ LIGHTCULL_EXPORT std::uint32_t set_of_packet(std::uint32_t packet,
                                              std::uint32_t set_count) noexcept;
 
 /// The set for a sample of pixel (x, y) at a vertex of its path: bounce 0 is what the camera sees.
-/// The samples of a pixel take all sets in turn, those of its neighbours others at the same time.
-/// For hosts that select from one pass for many samples; set_count is a power of 4.
+/// The samples of a pixel take all sets in turn: the rotations of a draw, any first few of them
+/// evenly spread, then those of the next draw. Neighbours take others at the same time. For hosts
+/// that select from one pass for many samples; after set_count samples it begins anew, and a host
+/// goes on with another pass. set_count is a power of 4.
 LIGHTCULL_EXPORT std::uint32_t set_of_sample(std::uint32_t x, std::uint32_t y, std::uint32_t sample,
                                              std::uint32_t bounce,
                                              std::uint32_t set_count) noexcept;

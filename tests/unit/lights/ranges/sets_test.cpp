@@ -54,35 +54,71 @@ TEST_CASE("packets go round sixteen evenly spread rotations") {
     }
 }
 
-TEST_CASE("the samples of a pixel take every set once, and all draws before a second rotation") {
+TEST_CASE(
+    "the samples of a pixel take every set once, and all rotations of a draw before the next") {
     for (const std::uint32_t sets : {1u, 4u, 16u, 64u, 256u, 1024u, 4096u}) {
         const SetPattern pattern(sets);
+        const std::uint32_t rotations = pattern.rotations();
         for (const std::uint32_t bounce : {0u, 1u, 5u}) {
-            std::set<std::uint32_t> taken, draws;
+            std::set<std::uint32_t> taken;
             for (std::uint32_t sample = 0; sample < sets; ++sample) {
                 const std::uint32_t set = set_of_sample(37, 91, sample, bounce, sets);
                 REQUIRE(set < sets);
                 taken.insert(set);
-                draws.insert(pattern.draw_of(set));
-                if (sample + 1 == pattern.draws()) CHECK(draws.size() == pattern.draws());
+                const std::uint32_t start = sample - sample % rotations;
+                CHECK(pattern.draw_of(set) ==
+                      pattern.draw_of(set_of_sample(37, 91, start, bounce, sets)));
             }
             CHECK(taken.size() == sets);
+            CHECK(set_of_sample(37, 91, sets, bounce, sets) ==
+                  set_of_sample(37, 91, 0, bounce, sets));
         }
     }
 }
 
-TEST_CASE("neighbours take other sets at the same sample, and no pixel shares all of another's") {
-    for (const std::uint32_t sets : {64u, 256u, 4096u}) {
+TEST_CASE("the first 4^n samples of a pixel are rotations evenly spread") {
+    for (const std::uint32_t sets : {16u, 256u, 4096u}) {
         const SetPattern pattern(sets);
-        const std::uint32_t edge = 1u << pattern.log2_edge();
-        int alike = 0;
-        for (std::uint32_t sample = 0; sample < 64; ++sample) {
-            const std::uint32_t here = set_of_sample(3, 5, sample, 0, sets);
-            CHECK(set_of_sample(4, 5, sample, 0, sets) != here);
-            CHECK(set_of_sample(3, 6, sample, 0, sets) != here);
-            alike += set_of_sample(3 + edge, 5, sample, 0, sets) == here ? 1 : 0;
+        for (std::uint32_t samples = 4; samples <= pattern.rotations(); samples *= 4) {
+            std::set<std::uint32_t> strata;
+            const std::uint32_t width = pattern.rotations() / samples;
+            const std::uint32_t first = pattern.rank_of(set_of_sample(5, 8, 0, 2, sets));
+            for (std::uint32_t sample = 0; sample < samples; ++sample) {
+                const std::uint32_t rank = pattern.rank_of(set_of_sample(5, 8, sample, 2, sets));
+                const std::uint32_t turn = (rank - first) & (pattern.rotations() - 1);
+                CHECK(turn % width == 0);
+                strata.insert(turn / width);
+            }
+            CHECK(strata.size() == samples);
         }
-        CHECK(alike < 64);
+    }
+}
+
+TEST_CASE("neighbours take other sets at the same sample, and other squares other draws") {
+    for (const std::uint32_t sets : {16u, 64u, 256u, 4096u}) {
+        const SetPattern pattern(sets);
+        for (std::uint32_t sample = 0; sample < 64; ++sample) {
+            // Within a square of 4x4 pixels, sixteen evenly spread rotations of one draw.
+            std::set<std::uint32_t> strata, draws;
+            const std::uint32_t width = pattern.rotations() / 16;
+            for (std::uint32_t y = 8; y < 12; ++y) {
+                for (std::uint32_t x = 4; x < 8; ++x) {
+                    const std::uint32_t set = set_of_sample(x, y, sample, 0, sets);
+                    strata.insert(pattern.rank_of(set) / width);
+                    draws.insert(pattern.draw_of(set));
+                }
+            }
+            CHECK(strata.size() == 16);
+            CHECK(draws.size() == 1);
+        }
+        std::set<std::uint32_t> draws;
+        int alike = 0;
+        for (std::uint32_t x = 0; x < 800; x += 4) {
+            draws.insert(pattern.draw_of(set_of_sample(x, 0, 0, 0, sets)));
+            alike += set_of_sample(x, 0, 0, 0, sets) == set_of_sample(x + 4, 0, 0, 0, sets) ? 1 : 0;
+        }
+        CHECK(draws.size() == pattern.draws());  // 200 squares miss one of 16 with chance 4e-5
+        CHECK(alike < 40);                       // 12.5 expected of 16 sets: false alarm 1e-9
     }
 }
 
