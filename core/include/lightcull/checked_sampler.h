@@ -10,7 +10,7 @@
 
 namespace lightcull {
 
-/// Is told, in one line, what a host does wrong. From any thread.
+/// A function that is told, in one line, what a host does wrong. It may be called from any thread.
 using FaultHandler = std::function<void(const std::string& fault)>;
 
 /// A sampler, or a pass() of it, that checks what the hot calls are given, for finding a host's
@@ -19,10 +19,11 @@ using FaultHandler = std::function<void(const std::string& fault)>;
 /// spans of different lengths, lights of prob() that there are none of, and selections before the
 /// first begin_pass(). Each call that finds a fault tells `on_fault`, selects nothing (prob 0), and
 /// does not reach the sampler. Without a handler the fault is printed to the standard error, and
-/// the process aborted. What is right is answered by the sampler, to the bit.
+/// the process aborted. Calls without a fault are answered by the sampler, to the bit.
 ///
-/// light_count: of the lights that the sampler was made over. It has no SamplerInfo. Throws Error
-/// where `sampler` is null, or one that decides at the vertex (VertexCulling).
+/// light_count: number of lights that the sampler was made over. The checked sampler has no
+/// SamplerInfo. Throws Error where `sampler` is null, or one that decides at the vertex
+/// (VertexCulling).
 LIGHTCULL_EXPORT std::unique_ptr<LightSampler> make_checked_sampler(
     std::unique_ptr<LightSampler> sampler, std::size_t light_count, FaultHandler on_fault = {});
 

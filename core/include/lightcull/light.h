@@ -25,9 +25,9 @@ struct Light {
     float cos_theta_e = 0.0f;   ///< cosine of the largest angle to a normal, [0, 1]
     float intensity = 0.0f;     ///< peak radiant intensity, W/sr, luminance-weighted, >= 0:
                                 ///< Lbar_i A_i of [TH16] Eq. 7, max I_i of Eq. 6
-    bool two_sided = false;     ///< emits about -axis as it does about axis
-    float lobe_alpha = 0.0f;    ///< 0, or of a glossy point its alpha, [1e-3, 1]: see
-                                ///< glossy_point_light()
+    bool two_sided = false;     ///< the light emits about -axis as it does about axis
+    float lobe_alpha = 0.0f;    ///< alpha of a glossy point, [1e-3, 1]: see glossy_point_light(); 0
+                                ///< for all others
 };
 
 /// A triangle that emits `radiance` (mean over its area, luminance, W/(m^2 sr)) on the side from
@@ -46,8 +46,8 @@ LIGHTCULL_EXPORT Light disc_light(float3 center, float3 normal, float radius, fl
                                   bool two_sided = false) noexcept;
 
 /// A tube from a to b (metres) that emits `radiance` (luminance, W/(m^2 sr)) from its side, but not
-/// from its ends. It counts as shining everywhere as it does across its axis; one that is long
-/// beside its distance to what it lights is better cut into several.
+/// from its ends. The tube counts as shining everywhere as it does across its axis; a tube that is
+/// long beside its distance to what it lights is better cut into several.
 LIGHTCULL_EXPORT Light cylinder_light(float3 a, float3 b, float radius, float radiance) noexcept;
 
 /// A point that emits `intensity` (luminance, W/sr) in all directions.
@@ -64,9 +64,9 @@ LIGHTCULL_EXPORT Light diffuse_point_light(float3 position, float3 normal,
                                            float intensity) noexcept;
 
 /// A point that emits `intensity` (luminance, W/sr) into `direction` (unit length) and less about
-/// it, as GGX's D of `alpha` falls with half the angle h to it: by the square of
-/// 1 + (1 / alpha^2 - 1) sin^2 h. That bounds what a glossy virtual light emits ([TH17] Eqs. 9 to
-/// 12).
+/// it: the intensity falls as GGX's D of `alpha` does with half the angle h to the direction, by
+/// the square of 1 + (1 / alpha^2 - 1) sin^2 h. That bounds what a glossy virtual light emits
+/// ([TH17] Eqs. 9 to 12).
 LIGHTCULL_EXPORT Light glossy_point_light(float3 position, float3 direction, float intensity,
                                           float alpha) noexcept;
 

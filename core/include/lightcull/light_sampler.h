@@ -17,22 +17,22 @@ namespace lightcull {
 /// peak is then F D(n) / 4, over the cosine of the view to the normal where that is above 0, with
 /// D(n) = 1 / (pi alpha^2) and F the luminance of Fresnel's reflectance; `diffuse` is albedo / pi.
 struct GlossyLobe {
-    float3 axis{0, 0, 1};  ///< unit length; mirror direction of the view
+    float3 axis{0, 0, 1};  ///< mirror direction of the view, unit length
     float alpha = 1.0f;    ///< (0, 1]
-    float peak = 0.0f;     ///< in units of ShadingPoint::diffuse, >= 0; 0: there is no such part. A
-                           ///< host that also samples its BSDF (MIS) does best with a tenth of it
+    float peak = 0.0f;     ///< in units of ShadingPoint::diffuse, >= 0; 0: there is no glossy part.
+                           ///< A host that also samples its BSDF (MIS) does best with a tenth of it
 };
 
 /// A point to be lit.
 struct ShadingPoint {
     float3 position;        ///< metres
-    float3 normal;          ///< unit length, on the side that receives light; 0 in a volume or
-                            ///< where light from both sides counts
+    float3 normal;          ///< normal of unit length, on the side that receives light; 0 in a
+                            ///< volume or where light from both sides counts
     std::uint32_t set = 0;  ///< set of random ranges to use, < LightSelector::set_count(); sets.h
                             ///< says which
     float diffuse = 1.0f;   ///< diffuse albedo / pi, in any unit, >= 0; a little of it guards a
                             ///< sampler from a lobe that is wrong
-    GlossyLobe lobe{};      ///< for surfaces that are glossy
+    GlossyLobe lobe{};      ///< glossy lobe of a surface that has one
 };
 
 /// What a path carries from select() to prob(): an account of all that could have been selected at
@@ -41,16 +41,17 @@ struct ShadingPoint {
 /// is that of the point which the ray left, not of the hit. Its numbers mean something to the
 /// sampler alone.
 struct Receipt {
-    float weight_sum = 0.0f;  ///< W of the lights that were accepted
+    float weight_sum = 0.0f;  ///< W, the sum of the weights of the lights that were accepted
     std::uint32_t key = 0;    ///< the set that was used
 };
 
 /// The light chosen for a point.
 struct Selection {
     std::uint32_t light = 0;  ///< index into the caller's lights
-    float prob = 0.0f;        ///< divide the light's contribution by it; in (0, 1], or 0 where no
-                              ///< light was chosen, which is no error: the contribution is 0
-    float mis_prob = 0.0f;    ///< what prob() says of the light: for MIS weights. Equal to `prob`,
+    float prob = 0.0f;        ///< probability of the light, to divide its contribution by; in
+                              ///< (0, 1], or 0 where no light was chosen, which is no error: the
+                              ///< contribution is 0
+    float mis_prob = 0.0f;    ///< what prob() says of the light, for MIS weights; equal to `prob`,
                               ///< but for samplers whose prob is not known for other lights
     Receipt receipt;
 };
@@ -72,28 +73,29 @@ class LIGHTCULL_EXPORT LightSelector {
     /// vertex on the light, and for all else.
     virtual Selection select(const ShadingPoint& point, float u) const noexcept = 0;
 
-    /// The same for many points: selections[i] = select(points[i], u[i]), to the bit. The spans
-    /// are of equal length, at most 2^32 - 1. Faster the more points there are, up to a whole
-    /// image. Runs in the caller's TBB arena, isolated: while one of its threads waits for others
-    /// it takes on none of the caller's tasks. Needs some 20 bytes of memory a point; throws
-    /// Error where it does not get them, before anything is written.
+    /// Chooses a light for each of many points: selections[i] = select(points[i], u[i]), to the
+    /// bit. The spans are of equal length, at most 2^32 - 1. A call is faster per point the more
+    /// points there are, up to a whole image. It runs in the caller's TBB arena, isolated: while
+    /// one of its threads waits for others it takes on none of the caller's tasks. It needs some 20
+    /// bytes of memory a point, and throws Error where it does not get them, before anything is
+    /// written.
     virtual void select(Span<const ShadingPoint> points, Span<const float> u,
                         Span<Selection> selections) const;
 
-    /// The probability of `light` at a point whose receipt is at hand, for MIS weights. For a
-    /// light that was not accepted it is what it would have been, had it been accepted: that makes
-    /// weights of light and BSDF sampling sum to one in the mean ([TH16] leaves this open; 0 or
-    /// the W of the others would be biased). So for one receipt the probabilities of all lights
-    /// need not sum to 1. It is of the light as a whole: the density of a vertex on it, by area or
-    /// solid angle, is the caller's to multiply with. Selection::mis_prob for the light that was
-    /// selected.
+    /// The probability of `light` at a point whose receipt is at hand, for MIS weights. For a light
+    /// that was not accepted the probability is what it would have been, had it been accepted: that
+    /// makes weights of light and BSDF sampling sum to one in the mean ([TH16] leaves this open; 0
+    /// or the W of the others would be biased). So for one receipt the probabilities of all lights
+    /// need not sum to 1. The probability is that of the light as a whole: the density of a vertex
+    /// on it, by area or solid angle, is the caller's to multiply with. The probability of the
+    /// light that was selected is Selection::mis_prob.
     virtual float prob(const ShadingPoint& point, const Receipt& receipt,
                        std::uint32_t light) const noexcept = 0;
 
     /// False if prob() does not look at the receipt, which need not be kept then.
     virtual bool needs_receipt() const noexcept { return true; }
 
-    /// prob() without a receipt. Only where needs_receipt() is false.
+    /// prob() without a receipt. It may be called only where needs_receipt() is false.
     float prob(const ShadingPoint& point, std::uint32_t light) const noexcept {
         assert(!needs_receipt());
         return prob(point, Receipt{}, light);
@@ -105,26 +107,26 @@ class LIGHTCULL_EXPORT LightSelector {
 
 /// What LightSampler::update() did.
 struct LightUpdate {
-    bool rebuilt = false;  ///< whether the tree was built anew
-    float growth = 1.0f;   ///< how loose the tree had become before that, relative to when it was
-                           ///< last built: 1 is as tight
+    bool rebuilt = false;  ///< the tree was built anew
+    float growth = 1.0f;   ///< looseness of the tree before that, relative to when it was last
+                           ///< built: 1 is as tight
 };
 
 /// Picks, for a shading point, one light out of many, and says with what probability it did.
 ///
 /// A host that renders whole images calls begin_pass() before each sample per pixel, and selects
-/// from the sampler. One that finishes a tile before the next takes a pass() for each tile, thread
-/// or frame, any number at once, which begin_pass() leaves alone. One whose samples are spread
-/// over many sets (set_of_sample()) may stay with a single pass.
+/// from the sampler. A host that finishes a tile before the next takes a pass() for each tile,
+/// thread or frame, any number at once, which begin_pass() leaves alone. A host whose samples are
+/// spread over many sets (set_of_sample()) may stay with a single pass.
 ///
 /// Threads: const calls may run on any number of threads at once; begin_pass() and update() only
 /// while none of them runs.
 class LIGHTCULL_EXPORT LightSampler : public LightSelector {
   public:
-    /// Draws the random ranges of a pass, from which the sampler itself selects; equal numbers
-    /// give equal ranges. Call it before the first selection and then once a pass. Takes some
-    /// 0.05 ns per light and set with groups, 5 with a range for each light. Runs in the caller's
-    /// TBB arena.
+    /// Draws the random ranges of a pass, from which the sampler itself selects; equal numbers give
+    /// equal ranges. Call it before the first selection and then once a pass. It takes some 0.05 ns
+    /// per light and set with groups, 5 with a range for each light. Runs in the caller's TBB
+    /// arena.
     virtual void begin_pass(std::uint64_t pass) = 0;
 
     /// The ranges that begin_pass(number) would draw, as an object of its own: it shares the tree
@@ -132,14 +134,15 @@ class LIGHTCULL_EXPORT LightSampler : public LightSelector {
     /// some 5 bytes per set and group of lights. Runs in the caller's TBB arena.
     virtual std::unique_ptr<const LightSelector> pass(std::uint64_t number) const = 0;
 
-    /// Lights that have moved, changed or been switched: as many as the sampler was made over, in
-    /// the same order. Begin a pass after it; passes that were taken before stay what they are.
-    /// `culled` and `light_bvh` keep the topology of their tree and fit it to the lights, in a
+    /// Takes lights that have moved, changed or been switched: as many as the sampler was made
+    /// over, in the same order. Begin a pass after it; passes that were taken before stay what they
+    /// are. `culled` and `light_bvh` keep the topology of their tree and fit it to the lights, in a
     /// tenth of the time that building takes. The tree is built anew if it has grown looser than
     /// `max_growth`, or a light shines that had no intensity when it was built; the other samplers
     /// always build anew. Ranges stay as long, in metres and for the same intensity, as they were
     /// calibrated. Runs in the caller's TBB arena. Throws Error, and changes nothing, for another
-    /// number of lights, as make_sampler() for what a light holds, and where it cannot be done.
+    /// number of lights, for lights that make_sampler() would refuse, and where the update cannot
+    /// be done.
     virtual LightUpdate update(Span<const Light> lights, float max_growth = 2.0f) = 0;
 };
 

@@ -2,9 +2,9 @@
 
 /// The samplers of lightcull for hosts in C99, and in languages that call C: light_sampler.h,
 /// samplers.h, light.h, sets.h and checked_sampler.h in short. What is said there of methods and
-/// numbers holds here; the answers are the same, to the bit. Linked with lightcull::lights, which,
-/// where it is a static library, needs the C++ runtime: CMake links it in projects of the languages
-/// C and CXX.
+/// numbers holds here; the answers are the same, to the bit. A C host links with lightcull::lights,
+/// which, where it is a static library, needs the C++ runtime: CMake links it in projects of the
+/// languages C and CXX.
 ///
 ///     lightcull_sampler* sampler;
 ///     if (lightcull_sampler_create("culled", lights, count, NULL, &sampler) != LIGHTCULL_OK) {
@@ -25,7 +25,7 @@
 ///
 /// Threads: any calls may run at the same time on any threads, but lightcull_sampler_begin_pass(),
 /// lightcull_sampler_destroy() and lightcull_pass_destroy(), each while no other call uses the
-/// handle, and lightcull_use_instruction_set(). Those that take long work on the threads of TBB,
+/// handle, and lightcull_use_instruction_set(). Calls that take long work on the threads of TBB,
 /// the caller's among them; the caller waits for them to finish.
 ///
 /// Structs are of two kinds. What is set up once starts with its size, which the host sets to
@@ -58,17 +58,18 @@ extern "C" {
 
 /* ---- errors ---------------------------------------------------------------------------------- */
 
-/// How a call went.
+/// The result of a call.
 typedef enum lightcull_error {
     LIGHTCULL_OK = 0,
-    LIGHTCULL_INVALID_ARGUMENT = 1,  ///< the text names what, as in "light 3: radius is -1, ..."
+    LIGHTCULL_INVALID_ARGUMENT = 1,  ///< the text names what is wrong, as in "light 3: radius is
+                                     ///< -1, ..."
     LIGHTCULL_OUT_OF_MEMORY = 2,
     LIGHTCULL_FAILED = 3  ///< anything else, such as threads that the system does not give
 } lightcull_error;
 
 /// One line about the last call on this thread that returned anything but LIGHTCULL_OK; "" before
-/// there was one. At most 1023 bytes; what is longer is cut. It is valid until the next such call
-/// on this thread, or the end of the thread. Other threads have texts of their own.
+/// there was one. The text has at most 1023 bytes; what is longer is cut. It is valid until the
+/// next such call on this thread, or the end of the thread. Other threads have texts of their own.
 LIGHTCULL_C_API const char* lightcull_last_error(void);
 
 /* ---- lights ---------------------------------------------------------------------------------- */
@@ -83,12 +84,12 @@ typedef struct lightcull_light {
     float cos_theta_o;  ///< cosine of the half-angle of the cone of normals, [-1, 1]; 1: flat
     float cos_theta_e;  ///< cosine of the largest angle to a normal, [0, 1]
     float intensity;    ///< peak radiant intensity, W/sr, luminance-weighted, >= 0
-    int32_t two_sided;  ///< other than 0: emits about -axis as it does about axis
-    float lobe_alpha;   ///< 0, or of a glossy point its alpha, [1e-3, 1]
+    int32_t two_sided;  ///< other than 0: the light emits about -axis as it does about axis
+    float lobe_alpha;   ///< alpha of a glossy point, [1e-3, 1]; 0 for all others
 } lightcull_light;
 
-/// A light at the origin that does not emit. In C++ and C:
-/// lightcull_light light = LIGHTCULL_LIGHT_INIT;
+/// A light at the origin that does not emit. Use in C++ and C: lightcull_light light
+/// = LIGHTCULL_LIGHT_INIT;
 #define LIGHTCULL_LIGHT_INIT \
     { sizeof(lightcull_light), {0, 0, 0}, 0, {0, 0, 1}, -1, 0, 0, 0, 0 }
 
@@ -158,19 +159,19 @@ LIGHTCULL_C_API lightcull_error lightcull_bounded_light(const float box_min[3],
 /// The glossy part of what a surface does with light: GlossyLobe (light_sampler.h) says how it
 /// follows from a BSDF.
 typedef struct LIGHTCULL_C_STRUCT lightcull_lobe {
-    float axis[3];  ///< unit length; mirror direction of the view
+    float axis[3];  ///< mirror direction of the view, unit length
     float alpha;    ///< (0, 1]
-    float peak;     ///< in units of `diffuse` of the point, >= 0; 0: there is no such part
+    float peak;     ///< in units of `diffuse` of the point, >= 0; 0: there is no glossy part
 } lightcull_lobe;
 
 /// A point to be lit. Where diffuse and lobe.peak are both 0, no light is ever selected.
 typedef struct LIGHTCULL_C_STRUCT lightcull_shading_point {
     float position[3];    ///< metres
-    float normal[3];      ///< unit length, on the side that receives light; 0 in a volume or where
-                          ///< light from both sides counts
+    float normal[3];      ///< normal of unit length, on the side that receives light; 0 in a volume
+                          ///< or where light from both sides counts
     uint32_t set;         ///< set of random ranges to use, < lightcull_set_count()
     float diffuse;        ///< diffuse albedo / pi, in any unit, >= 0; 1 where there is no lobe
-    lightcull_lobe lobe;  ///< for surfaces that are glossy
+    lightcull_lobe lobe;  ///< glossy lobe of a surface that has one
 } lightcull_shading_point;
 
 /// A diffuse point at the origin, in a volume.
@@ -183,8 +184,8 @@ typedef struct LIGHTCULL_C_STRUCT lightcull_shading_point {
 
 /// What a path carries from selection to lightcull_prob(): an account of all that could have been
 /// selected at a point. It does not depend on u, and it is valid where prob is 0. When a ray that
-/// left the point hits a light, the receipt that is needed is that of the point which the ray left.
-/// Its numbers mean something to the sampler alone.
+/// left the point hits a light, the receipt that lightcull_prob() needs is that of the point which
+/// the ray left. Its numbers mean something to the sampler alone.
 typedef struct LIGHTCULL_C_STRUCT lightcull_receipt {
     float weight_sum;
     uint32_t key;
@@ -193,15 +194,15 @@ typedef struct LIGHTCULL_C_STRUCT lightcull_receipt {
 /// The light chosen for a point.
 typedef struct LIGHTCULL_C_STRUCT lightcull_selection {
     uint32_t light;  ///< index into the lights that the sampler was made over
-    float prob;      ///< divide the light's contribution by it; in (0, 1], or 0 where no light was
-                     ///< chosen, which is no error: the contribution is 0
-    float mis_prob;  ///< what lightcull_prob() says of the light: for MIS weights
+    float prob;      ///< probability of the light, to divide its contribution by; in (0, 1], or 0
+                     ///< where no light was chosen, which is no error: the contribution is 0
+    float mis_prob;  ///< what lightcull_prob() says of the light, for MIS weights
     lightcull_receipt receipt;
 } lightcull_selection;
 
 /* ---- samplers -------------------------------------------------------------------------------- */
 
-/// A sampler, to draw passes from. Made by the two calls below, and freed by
+/// A sampler, to draw passes from. It is made by the two calls below, and freed by
 /// lightcull_sampler_destroy().
 typedef struct lightcull_sampler lightcull_sampler;
 
@@ -215,10 +216,10 @@ typedef struct lightcull_pass lightcull_pass;
 /// The use that a sampler is put to.
 typedef struct lightcull_context {
     uint32_t size;             ///< sizeof(lightcull_context)
-    uint32_t points_per_pass;  ///< for a host that begins a pass for each sample of the image: its
-                               ///< pixels; 0: not known
+    uint32_t points_per_pass;  ///< for a host that begins a pass for each sample of the image:
+                               ///< number of its pixels; 0: not known
     /// Some hundred points typical of the scene, on which ranges are calibrated; none: points drawn
-    /// from the bounds of the lights. Read while the sampler is made.
+    /// from the bounds of the lights. They are read while the sampler is made.
     const lightcull_shading_point* calibration_points;
     size_t calibration_point_count;
 } lightcull_context;
@@ -233,46 +234,47 @@ typedef struct lightcull_context {
 /// have to finish the test themselves) and refused here: "paper:test=light" is not. lights: may be
 /// NULL where count is 0; then selections have prob 0. context: NULL is LIGHTCULL_CONTEXT_INIT.
 ///
-/// Fails, with a text that names the light and the field, or the option.
+/// It fails with a text that names the light and the field, or the option.
 LIGHTCULL_C_API lightcull_error lightcull_sampler_create(const char* description,
                                                          const lightcull_light* lights,
                                                          size_t count,
                                                          const lightcull_context* context,
                                                          lightcull_sampler** sampler);
 
-/// Is told, in one line that is valid during the call, what a host does wrong; with the pointer
-/// that was given with it. From any thread, several at once. It must return by `return`: neither
-/// exceptions nor longjmp may leave it.
+/// A function that is told what a host does wrong, in one line that is valid during the call, and
+/// given the pointer that came with it. It may be called from any thread, and from several at once.
+/// It must return by `return`: neither exceptions nor longjmp may leave it.
 typedef void (*lightcull_fault_handler)(const char* fault, void* user_data);
 
-/// The same for finding a host's faults: the hot calls on its passes check points, sets, u, lights
-/// and receipts, and selections before the first lightcull_sampler_begin_pass(). Each call that
-/// finds a fault tells `on_fault`, selects nothing (prob 0), and does not reach the sampler. What
-/// is right is answered as ever. on_fault: NULL prints the fault to the standard error, and aborts
-/// the process. Handles and other pointers are not checked.
+/// Makes a sampler as lightcull_sampler_create() does, for finding a host's faults: the hot calls
+/// on its passes check points, sets, u, lights and receipts, and selections before the first
+/// lightcull_sampler_begin_pass(). Each call that finds a fault tells `on_fault`, selects nothing
+/// (prob 0), and does not reach the sampler. Calls without a fault are answered as ever. on_fault:
+/// NULL prints the fault to the standard error, and aborts the process. Handles and other pointers
+/// are not checked.
 LIGHTCULL_C_API lightcull_error lightcull_checked_sampler_create(
     const char* description, const lightcull_light* lights, size_t count,
     const lightcull_context* context, lightcull_fault_handler on_fault, void* user_data,
     lightcull_sampler** sampler);
 
-/// Frees it, but not the passes that lightcull_pass_create() made of it. NULL is left alone.
+/// Frees a sampler, but not the passes that lightcull_pass_create() made of it. NULL is left alone.
 LIGHTCULL_C_API void lightcull_sampler_destroy(lightcull_sampler* sampler);
 
 /// Draws the ranges of a pass, which is lightcull_sampler_current_pass() then; equal numbers give
-/// equal ranges. Takes some 0.05 ns per light and set with groups, 5 with a range for each light.
-/// Where it fails, it has to be called again before anything is selected from that pass.
+/// equal ranges. The call takes some 0.05 ns per light and set with groups, 5 with a range for each
+/// light. Where it fails, it has to be called again before anything is selected from that pass.
 LIGHTCULL_C_API lightcull_error lightcull_sampler_begin_pass(lightcull_sampler* sampler,
                                                              uint64_t number);
 
 /// The pass that lightcull_sampler_begin_pass() changes, from which nothing may be selected before
 /// that was called; always the same pointer. It belongs to the sampler, and is not to be destroyed.
-/// NULL of NULL.
+/// The answer to NULL is NULL.
 LIGHTCULL_C_API const lightcull_pass* lightcull_sampler_current_pass(
     const lightcull_sampler* sampler);
 
-/// Makes *pass, what lightcull_sampler_begin_pass() would draw, as an object of its own: it shares
-/// the tree with the sampler, never changes, and may outlive it. Takes the time of
-/// lightcull_sampler_begin_pass() and some 5 bytes per set and group of lights. Freed by
+/// Makes *pass an object of its own that holds what lightcull_sampler_begin_pass() would draw: it
+/// shares the tree with the sampler, never changes, and may outlive it. It takes the time of
+/// lightcull_sampler_begin_pass() and some 5 bytes per set and group of lights. It is freed by
 /// lightcull_pass_destroy().
 LIGHTCULL_C_API lightcull_error lightcull_pass_create(const lightcull_sampler* sampler,
                                                       uint64_t number, lightcull_pass** pass);
@@ -311,24 +313,24 @@ LIGHTCULL_C_API int lightcull_needs_receipt(const lightcull_pass* pass);
 /* ---- hot calls ------------------------------------------------------------------------------- */
 
 /// Chooses a light for a point by the random number u in [0, 1), which is used up: take fresh
-/// numbers for all else. Never fails.
+/// numbers for all else. The call never fails.
 LIGHTCULL_C_API void lightcull_select(const lightcull_pass* pass,
                                       const lightcull_shading_point* point, float u,
                                       lightcull_selection* selection);
 
-/// The same for `count` points, at most 2^32 - 1: selections[i] is that of points[i] and u[i], to
-/// the bit. Faster the more points there are, up to a whole image. Works on all threads of TBB, and
-/// needs some 20 bytes of memory a point: LIGHTCULL_OUT_OF_MEMORY where it does not get them,
-/// before anything is written.
+/// Chooses a light for each of `count` points, at most 2^32 - 1: selections[i] is that of points[i]
+/// and u[i], to the bit. A call is faster per point the more points there are, up to a whole image.
+/// It works on all threads of TBB, and needs some 20 bytes of memory a point: it returns
+/// LIGHTCULL_OUT_OF_MEMORY where it does not get them, before anything is written.
 LIGHTCULL_C_API lightcull_error lightcull_select_many(const lightcull_pass* pass,
                                                       const lightcull_shading_point* points,
                                                       const float* u, size_t count,
                                                       lightcull_selection* selections);
 
 /// The probability of `light`, an index into the lights, at a point whose receipt is at hand, for
-/// MIS weights. It is of the light as a whole: the density of a vertex on it, by area or solid
-/// angle, is the caller's to multiply with. receipt: may be NULL where lightcull_needs_receipt() is
-/// 0. Never fails.
+/// MIS weights. The probability is that of the light as a whole: the density of a vertex on it, by
+/// area or solid angle, is the caller's to multiply with. receipt: may be NULL where
+/// lightcull_needs_receipt() is 0. The call never fails.
 LIGHTCULL_C_API float lightcull_prob(const lightcull_pass* pass,
                                      const lightcull_shading_point* point,
                                      const lightcull_receipt* receipt, uint32_t light);
@@ -336,32 +338,34 @@ LIGHTCULL_C_API float lightcull_prob(const lightcull_pass* pass,
 /* ---- which set a point uses; sets.h says when to take which ------------------------------------
  */
 
-/// For camera points of pixel (x, y), in hosts that begin a pass for each sample. set_count: that
-/// of the pass, a power of 4.
+/// The set for camera points of pixel (x, y), in hosts that begin a pass for each sample.
+/// set_count: number of sets of the pass, a power of 4.
 LIGHTCULL_C_API uint32_t lightcull_set_of_pixel(uint32_t x, uint32_t y, uint32_t set_count);
 
-/// Points that lie together and share a set at later bounces.
+/// Number of points that lie together and share a set at later bounces.
 #define LIGHTCULL_POINTS_PER_PACKET 16
 
-/// For the points of packet `packet` of later bounces, in hosts that begin a pass for each sample.
+/// The set for the points of packet `packet` of later bounces, in hosts that begin a pass for each
+/// sample.
 LIGHTCULL_C_API uint32_t lightcull_set_of_packet(uint32_t packet, uint32_t set_count);
 
-/// For a sample of pixel (x, y) at a vertex of its path, in hosts that select from one pass for
-/// many samples; bounce 0 is what the camera sees.
+/// The set for a sample of pixel (x, y) at a vertex of its path, in hosts that select from one pass
+/// for many samples; bounce 0 is what the camera sees.
 LIGHTCULL_C_API uint32_t lightcull_set_of_sample(uint32_t x, uint32_t y, uint32_t sample,
                                                  uint32_t bounce, uint32_t set_count);
 
 /* ---- the library ----------------------------------------------------------------------------- */
 
-/// The version of the library that is linked, as in "0.2.0". Never freed.
+/// The version of the library that is linked, as in "0.2.0". The text is never freed.
 LIGHTCULL_C_API const char* lightcull_version(void);
 
-/// The instruction set that selection uses, as in "AVX2"; all give the same bits. Never freed.
-/// NULL, with a text, where memory lacks.
+/// The instruction set that selection uses, as in "AVX2"; all give the same bits. The text is never
+/// freed. The answer is NULL, with a text, where memory lacks.
 LIGHTCULL_C_API const char* lightcull_instruction_set(void);
 
-/// Makes all samplers of the process use another, for tests and benchmarks. Only while no selection
-/// runs. Fails for one that this machine has not, with a text that names those it has.
+/// Makes all samplers of the process use another instruction set, for tests and benchmarks. It must
+/// be called only while no selection runs. It fails for a set that this machine has not, with a
+/// text that names those it has.
 LIGHTCULL_C_API lightcull_error lightcull_use_instruction_set(const char* name);
 
 #ifdef __cplusplus

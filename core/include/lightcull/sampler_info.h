@@ -8,27 +8,29 @@
 
 namespace lightcull {
 
-/// What one selection costs, counted by a second, slower run of it.
+/// The cost of one selection, counted by a second, slower run of it.
 struct SelectionCounts {
     std::uint32_t nodes_visited = 0;  ///< tree nodes that were read
     std::uint32_t lights_tested = 0;  ///< lights whose range or importance was computed
     std::uint32_t accepted = 0;       ///< lights that were weighed with a weight above 0
 };
 
-/// What a sampler takes, for benchmarks and reports. Const calls may run on any number of threads.
+/// The costs of a sampler, for benchmarks and reports. Const calls may run on any number of
+/// threads.
 class LIGHTCULL_EXPORT SamplerInfo {
   public:
     /// The cost of select() at a point.
     virtual SelectionCounts count(const ShadingPoint& point) const noexcept = 0;
 
-    /// What the sampler keeps in memory, bytes; for a pass with all that it shares.
+    /// The memory that the sampler keeps, bytes; for a pass with all that it shares.
     virtual std::size_t memory_size() const noexcept = 0;
 
   protected:
     ~SamplerInfo() = default;
 };
 
-/// That of a sampler or a pass, which must outlive it; null for one of a host's own that has none.
+/// The costs of a sampler or a pass, which must outlive the answer; null for a host's own sampler
+/// that has none.
 LIGHTCULL_EXPORT const SamplerInfo* sampler_info(const LightSelector& sampler) noexcept;
 
 }  // namespace lightcull

@@ -17,22 +17,22 @@
 
 namespace lightcull {
 
-/// Every light alike.
+/// Chooses every light alike.
 struct UniformOptions {};
 
-/// In proportion to intensity, by an alias table.
+/// Chooses in proportion to intensity, by an alias table.
 struct PowerOptions {};
 
-/// In proportion to the importance of every light at the point: the floor for error, at a cost
-/// linear in the number of lights.
+/// Chooses in proportion to the importance of every light at the point: the floor for error, at a
+/// cost linear in the number of lights.
 struct ExhaustiveOptions {};
 
-/// What a cluster of lights counts for at a point.
+/// The formula for the importance of a cluster of lights at a point.
 enum class ClusterImportance {
-    kBounds,  ///< as Conty Estevez & Kulla 2018 have it: intensity / d^2 times the cosines of
+    kBounds,  ///< the formula of Conty Estevez & Kulla 2018: intensity / d^2 times the cosines of
               ///< emitter and receiver, both angles reduced by the angle that the cluster's
-              ///< bounding sphere fills; d is to its centre, at least half its radius
-    kMeans,   ///< ours: means of distance and cosines over the cluster; less variance
+              ///< bounding sphere fills; d is the distance to its centre, at least half its radius
+    kMeans,   ///< our own formula: means of distance and cosines over the cluster; less variance
 };
 
 /// Importance sampling down a tree of light clusters, 8 children to a node (Conty Estevez & Kulla
@@ -46,7 +46,7 @@ struct RangeOptions {
     /// epsilon_max of [TH16] Eq. 7, > 0; none: found so that `expected_accepted` lights are
     /// accepted per point in the mean over SamplerContext::calibration_points.
     std::optional<float> error_bound;
-    float expected_accepted = 16.0f;  ///< > 0
+    float expected_accepted = 16.0f;  ///< lights to accept per point, > 0
     /// E of [TH16] Eq. 7, > 0; used with a given error_bound only.
     float exposure = 1.0f;
 
@@ -73,13 +73,13 @@ struct RangeOptions {
 /// with the light in one focus, or an egg above its surface.
 struct CulledOptions {
     RangeOptions range;
-    /// A power of 4, at most kMaxSetCount. None: what suits SamplerContext::points_per_pass, and
-    /// where that is not known, 4096 as far as 64 MiB of memory allow, so that a host that never
-    /// begins a second pass converges. With glossy points among the lights, whose sets take more
-    /// memory, at most 16.
+    /// Number of sets, a power of 4, at most kMaxSetCount. None: what suits
+    /// SamplerContext::points_per_pass, and where that is not known, 4096 as far as 64 MiB of
+    /// memory allow, so that a host that never begins a second pass converges. With glossy points
+    /// among the lights, whose sets take more memory, at most 16.
     std::optional<std::uint32_t> set_count;
     /// Most lights in a group, >= 1; 1 is the paper, and all there is with glossy points. None: a
-    /// 400th of them, at most 128.
+    /// 400th of the lights, at most 128.
     std::optional<std::uint32_t> group_size;
 };
 
@@ -89,12 +89,13 @@ inline constexpr std::uint32_t kMaxSetCount = 4096;
 /// departure can be shown.
 struct PaperOptions {
     RangeOptions range = RangeOptions::with_error_bound(0.125f);
-    std::uint32_t set_count = 1;  ///< as in CulledOptions
+    std::uint32_t set_count = 1;  ///< number of sets, a power of 4, at most kMaxSetCount
     /// Section 5.2: the range is tested at the vertex that is sampled on the chosen light, by the
     /// host (see VertexCulling). False: at the light's bounding sphere.
     bool range_at_vertex = true;
-    bool weight_by_g = true;       ///< Eq. 8; false: by g / p
-    std::uint32_t list_size = 32;  ///< k of Alg. 3, 1 to 64; 0: weigh every accepted light, no list
+    bool weight_by_g = true;       ///< an accepted light is weighed by g, Eq. 8; false: by g / p
+    std::uint32_t list_size = 32;  ///< k of Alg. 3, 1 to 64; 0: there is no list, every accepted
+                                   ///< light is weighed
 };
 
 /// Constant ranges ([TH16] appendix A): biased, for comparison.
@@ -102,7 +103,7 @@ struct ClampedOptions {
     RangeOptions range;
 };
 
-/// Which sampler, and its options.
+/// The name of a sampler, by its type, and its options.
 using SamplerSpec = std::variant<CulledOptions, LightBvhOptions, UniformOptions, PowerOptions,
                                  ExhaustiveOptions, ClampedOptions, PaperOptions>;
 
@@ -114,16 +115,17 @@ using SamplerSpec = std::variant<CulledOptions, LightBvhOptions, UniformOptions,
 /// name or option, with the names there are, and for a value that make_sampler() would refuse.
 LIGHTCULL_EXPORT SamplerSpec parse_sampler(std::string_view description);
 
-/// Throws Error, with a message that names the option, if one makes no sense. Whatever makes a
-/// sampler does this first.
+/// Throws Error, with a message that names the option, if an option makes no sense. Every function
+/// that makes a sampler does this first.
 LIGHTCULL_EXPORT void check_sampler(const SamplerSpec& spec);
 
 /// The use that a sampler is put to.
 struct SamplerContext {
     /// Some hundred shading points typical of the scene, on which ranges are calibrated; none:
-    /// points drawn from the bounds of the lights. Read while the sampler is made.
+    /// points drawn from the bounds of the lights. They are read while the sampler is made.
     Span<const ShadingPoint> calibration_points;
-    /// For a host that begins a pass for each sample of the image: its pixels. 0: not known.
+    /// The number of pixels, for a host that begins a pass for each sample of the image. 0: not
+    /// known.
     std::uint32_t points_per_pass = 0;
 };
 
@@ -133,13 +135,13 @@ LIGHTCULL_EXPORT std::unique_ptr<LightSampler> make_sampler(const SamplerSpec& s
                                                             Span<const Light> lights,
                                                             const SamplerContext& context = {});
 
-/// make_sampler(parse_sampler(description), lights, context).
+/// The same as make_sampler(parse_sampler(description), lights, context).
 LIGHTCULL_EXPORT std::unique_ptr<LightSampler> make_sampler(std::string_view description,
                                                             Span<const Light> lights,
                                                             const SamplerContext& context = {});
 
-/// What `paper` wants of a host beyond LightSelector, for its test at the vertex ([TH16] section
-/// 5.2). A host that leaves it out is biased: it takes `paper:test=light`.
+/// The part of `paper` that a host has to do beyond LightSelector, for its test at the vertex
+/// ([TH16] section 5.2). A host that leaves it out is biased: it takes `paper:test=light`.
 class LIGHTCULL_EXPORT VertexCulling {
   public:
     /// The factor of Eq. 10 that depends on the vertex sampled on the light that was selected, or 0
@@ -151,7 +153,7 @@ class LIGHTCULL_EXPORT VertexCulling {
     ~VertexCulling() = default;
 };
 
-/// That of a sampler or a pass which decides at the vertex; null of all others.
+/// The VertexCulling of a sampler or a pass which decides at the vertex; null for all others.
 LIGHTCULL_EXPORT const VertexCulling* vertex_culling(const LightSelector& sampler) noexcept;
 
 }  // namespace lightcull

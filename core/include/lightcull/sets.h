@@ -6,8 +6,8 @@
 
 namespace lightcull {
 
-/// Which of a pass's sets of random ranges a point uses. Points that share a set share their luck:
-/// where neighbours do, the error is banded ([TH16] section 6.1).
+/// The rules by which a point uses one of the sets of random ranges of a pass. Points that share a
+/// set share their luck: where neighbours do, the error is banded ([TH16] section 6.1).
 ///
 /// A pass of up to 256 sets is one draw of a number for each light, and its sets are rotations of
 /// that draw, spread evenly. A pass of more is several draws of 256 rotations each, independent of
@@ -26,8 +26,8 @@ namespace lightcull {
 LIGHTCULL_EXPORT std::uint32_t set_of_pixel(std::uint32_t x, std::uint32_t y,
                                             std::uint32_t set_count) noexcept;
 
-/// Points that lie together and share a set at later bounces: sort all points of a bounce along a
-/// curve in space, and cut them into packets of this many.
+/// The number of points that lie together and share a set at later bounces: sort all points of a
+/// bounce along a curve in space, and cut them into packets of this many.
 inline constexpr std::uint32_t kPointsPerPacket = 16;
 
 /// The set for the points of packet `packet` of later bounces. It takes no more than 16 of the

@@ -16,7 +16,7 @@ class Span {
     template <std::size_t N>
     constexpr Span(T (&array)[N]) noexcept : data_(array), size_(N) {}
 
-    /// From any contiguous container, such as std::vector or std::array.
+    /// Views any contiguous container, such as std::vector or std::array.
     template <typename Container, typename = std::enable_if_t<std::is_convertible_v<
                                       decltype(std::declval<Container&>().data()), T*>>>
     constexpr Span(Container&& container) noexcept

@@ -12,17 +12,17 @@ namespace lightcull {
 /// A device that Vulkan knows of.
 struct VulkanDevice {
     std::string name;
-    std::string problem;  ///< why it cannot be used; empty if it can
+    std::string problem;  ///< why the device cannot be used; empty if it can
 };
 
-/// Those of this machine, best first: GPUs of their own, integrated ones, others, processors.
+/// The devices of this machine, best first: GPUs of their own, integrated ones, others, processors.
 /// Throws Error where there is no Vulkan.
 LIGHTCULL_EXPORT std::vector<VulkanDevice> vulkan_devices();
 
 struct VulkanOptions {
-    std::string device;             ///< part of its name; empty: the first that can be used
-    double timeout_seconds = 60.0;  ///< for what the device is given at a time, > 0: some
-                                    ///< hundred thousand points, or a pass's ranges
+    std::string device;  ///< part of the device's name; empty: the first that can be used
+    double timeout_seconds = 60.0;  ///< seconds allowed for what the device is given at a time,
+                                    ///< > 0: some hundred thousand points, or a pass's ranges
 };
 
 /// Takes a sampler, `culled` or `paper` with a list, as make_sampler() gives it, to a device, which

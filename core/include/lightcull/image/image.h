@@ -18,7 +18,7 @@ struct Image {
     std::vector<float3> pixels;           ///< width * height, row by row
 };
 
-/// A half holds up to 65504: what lies beyond is stored as that.
+/// The type of a stored number. A half holds up to 65504: what lies beyond is stored as that.
 enum class PixelType { kHalf, kFloat };
 
 /// Reads any format that OpenImageIO knows. 8- and 16-bit images are taken as sRGB unless
@@ -30,7 +30,8 @@ LIGHTCULL_EXPORT Image read_image(const std::string& path, bool linear_data = fa
 LIGHTCULL_EXPORT void write_exr(const std::string& path, const Image& image, PixelType type,
                                 const std::map<std::string, std::string>& metadata = {});
 
-/// Writes an 8-bit PNG of an image that has been through a view. As write_exr().
+/// Writes an 8-bit PNG of an image that has been through a view. The file appears whole or not at
+/// all. Throws Error with the path and the reason.
 LIGHTCULL_EXPORT void write_png(const std::string& path, const Image& display,
                                 const std::map<std::string, std::string>& metadata = {});
 
@@ -38,8 +39,8 @@ LIGHTCULL_EXPORT void write_png(const std::string& path, const Image& display,
 /// configuration that $OCIO names.
 LIGHTCULL_EXPORT std::vector<std::string> view_names();
 
-/// What a display shows of a linear image: values in [0, 1], encoded. Throws Error for an unknown
-/// view, with the names there are.
+/// The image that a display shows of a linear one: values in [0, 1], encoded. Throws Error for an
+/// unknown view, with the names there are.
 LIGHTCULL_EXPORT Image apply_view(const Image& linear, std::string_view view,
                                   float exposure_stops = 0.0f);
 

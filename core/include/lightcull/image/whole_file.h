@@ -8,9 +8,9 @@
 namespace lightcull {
 
 /// Writes a file that appears under its name whole or not at all, whatever happens meanwhile: it is
-/// written beside as .NAME.lightcull-..., brought to the disk, renamed, and the folder is brought
-/// to the disk, too. What a process that was killed has left beside it is removed by the next write
-/// of that name. A file of that name is replaced, and where it is a link, what it leads to; a
+/// written beside the other as .NAME.lightcull-..., brought to the disk and renamed, and the folder
+/// is brought to the disk, too. A file that a killed process has left there is removed by the next
+/// write of that name. A file of that name is replaced, and where it is a link, what it leads to; a
 /// folder, device or pipe is not. Throws Error with the path and the reason.
 LIGHTCULL_EXPORT void write_whole_file(const std::string& path, Span<const unsigned char> bytes);
 

@@ -15,7 +15,7 @@
 
 namespace lightcull {
 
-/// Which technique finds the light that falls on a surface.
+/// The technique that finds the light which falls on a surface.
 enum class DirectLight {
     kMis,     ///< light and BSDF sampling, combined by the balance heuristic
     kLights,  ///< light sampling alone
@@ -27,14 +27,14 @@ struct RenderSettings {
     std::uint32_t max_depth = 2;  ///< longest path, in edges: 1 sees emitters only, 2 direct light
     std::uint32_t rr_depth = 5;   ///< Russian roulette from this depth on
     std::uint64_t seed = 0;
-    std::uint32_t threads = 0;  ///< at most; 0: as many as the machine has
+    std::uint32_t threads = 0;  ///< largest number of threads; 0: as many as the machine has
     DirectLight direct_light = DirectLight::kMis;
 };
 
 struct RenderStats {
     std::uint64_t passes = 0;        ///< samples per pixel so far
     double seconds = 0.0;            ///< wall time of render_pass(), the sampler's refits included
-    double sampler_seconds = 0.0;    ///< of `seconds`, those that refits and selections take
+    double sampler_seconds = 0.0;    ///< part of `seconds` that refits and selections take
     double selection_seconds = 0.0;  ///< time in LightSampler::select(), summed over threads
     std::uint64_t selections = 0;
     std::uint64_t rays = 0;  ///< camera, shadow and scattered rays
@@ -44,14 +44,15 @@ struct RenderStats {
 struct RenderState {
     RenderStats stats;
     std::vector<double>
-        sums;  ///< over the passes, linear RGB, row 0 at the top: height * width * 3
+        sums;  ///< sums over the passes, linear RGB, row 0 at the top: height * width * 3
 };
 
-/// What a renderer keeps in memory, bytes; the scene is not in it.
+/// The memory that a renderer keeps, bytes; the scene is not in it.
 struct RendererMemory {
-    std::size_t sampler = 0;  ///< its trees, with all sets of ranges; 0 if it has no SamplerInfo
+    std::size_t sampler = 0;  ///< the sampler's trees, with all sets of ranges; 0 if it has no
+                              ///< SamplerInfo
     std::size_t film = 0;     ///< the sums of the passes, and the pass under way
-    std::size_t paths = 0;    ///< those that are traced at a time, once a pass has been rendered
+    std::size_t paths = 0;  ///< the paths that are traced at a time, once a pass has been rendered
 };
 
 /// A progressive path tracer: each pass adds one sample to every pixel. The result depends on the
@@ -87,15 +88,15 @@ class LIGHTCULL_EXPORT Renderer {
 };
 
 /// First hits of camera rays at about `count` pixels spread over the image, with the normal towards
-/// the camera. Fewer where rays leave the scene.
+/// the camera. There are fewer where rays leave the scene.
 LIGHTCULL_EXPORT std::vector<ShadingPoint> camera_points(const Scene& scene,
                                                          const RenderSettings& settings,
                                                          std::uint32_t count);
 
 /// The points at which the renderer asks `sampler` for lights when paths are `depth` edges long, of
 /// one pass, in its order and with its sets. depth 1: what camera rays hit, a point per pixel at
-/// most; 2 and 3: after one and two bounces. Empty if the scene has no lights. Traced in the
-/// caller's TBB arena.
+/// most; 2 and 3: after one and two bounces. There are none if the scene has no lights. The paths
+/// are traced in the caller's TBB arena.
 LIGHTCULL_EXPORT std::vector<ShadingPoint> path_points(const Scene& scene,
                                                        const RenderSettings& settings,
                                                        const LightSampler& sampler,

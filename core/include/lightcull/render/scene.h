@@ -31,13 +31,14 @@ struct Material {
     MaterialKind kind = MaterialKind::kDiffuse;
     float3 base_color{0.5f, 0.5f, 0.5f};  ///< [0, 1]
     float metallic = 0.0f;                ///< [0, 1]
-    float roughness = 1.0f;               ///< perceptual, [0, 1]: alpha is its square, >= 1e-3
+    float roughness = 1.0f;  ///< perceptual roughness, [0, 1]: alpha is its square, >= 1e-3
     TextureId base_color_texture = kNoTexture;
     TextureId metallic_roughness_texture = kNoTexture;  ///< green: roughness, blue: metallic
 };
 
 /// What the triangles of a mesh emit: radiance * face_radiance[i] * texture(u, v), each of the
-/// latter two where there is one; W/(m^2 sr). Front: the side where corners run anticlockwise.
+/// latter two where there is one; W/(m^2 sr). The front is the side from which the corners run
+/// anticlockwise.
 struct Emission {
     float3 radiance{0.0f, 0.0f, 0.0f};
     Span<const float3> face_radiance;  ///< none, or one per triangle
@@ -47,7 +48,7 @@ struct Emission {
 
 /// A triangle mesh to be added to a scene, which copies it.
 struct Mesh {
-    std::string name;                   ///< for messages
+    std::string name;                   ///< name of the mesh in messages
     Span<const float3> positions;       ///< metres
     Span<const std::uint32_t> indices;  ///< three per triangle
     Span<const float3> normals;         ///< shading normals, none or one per position; any
@@ -57,7 +58,7 @@ struct Mesh {
     Emission emission;
 };
 
-/// Thin lens looking from origin to target; a pinhole where aperture_radius is 0.
+/// A thin lens looking from origin to target; a pinhole where aperture_radius is 0.
 struct Camera {
     float3 origin{0.0f, 0.0f, 1.0f}, target{0.0f, 0.0f, 0.0f}, up{0.0f, 1.0f, 0.0f};
     float vertical_fov = 0.8f;     ///< radians, (0, pi)
@@ -73,10 +74,10 @@ struct Environment {
     float rotation = 0.0f;
 };
 
-/// What a scene keeps in memory, bytes.
+/// The memory that a scene keeps, bytes.
 struct SceneMemory {
     std::size_t data = 0;  ///< all that was added, and the lights
-    std::size_t bvh = 0;   ///< Embree's, of which there is none before commit()
+    std::size_t bvh = 0;   ///< Embree's tree, of which there is none before commit()
 };
 
 struct SceneData;
@@ -93,10 +94,11 @@ class LIGHTCULL_EXPORT Scene {
     TextureId add_texture(Texture texture);
     MaterialId add_material(const Material& material);
     MeshId add_mesh(const Mesh& mesh);
-    /// intensity: W/sr, RGB.
+    /// Adds a point that emits `intensity` (W/sr, RGB) in all directions.
     void add_point_light(float3 position, float3 intensity);
-    /// Full intensity up to `inner` from direction, then down to nothing at `outer` (radians) as
-    /// the square of a ramp in the cosine, which is glTF's KHR_lights_punctual.
+    /// Adds a point that emits `intensity` in full up to `inner` from direction, then down to
+    /// nothing at `outer` (radians) as the square of a ramp in the cosine, which is glTF's
+    /// KHR_lights_punctual.
     void add_spot_light(float3 position, float3 direction, float3 intensity, float inner,
                         float outer);
     void set_environment(Environment environment);

@@ -13,9 +13,9 @@ namespace lightcull {
 /// Shadow rays from points towards the lights chosen for them, to measure what one costs.
 class LIGHTCULL_EXPORT ShadowRays {
   public:
-    /// One for each point whose selection has a prob above 0, to the middle of the light's bounds.
-    /// The scene must be committed and stay alive; selections are of its lights, one per point.
-    /// Throws Error.
+    /// Makes a ray for each point whose selection has a prob above 0, to the middle of the light's
+    /// bounds. The scene must be committed and stay alive; selections are of its lights, one per
+    /// point. Throws Error.
     ShadowRays(const Scene& scene, Span<const ShadingPoint> points,
                Span<const Selection> selections);
     ~ShadowRays();
