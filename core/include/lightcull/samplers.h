@@ -103,7 +103,7 @@ struct ClampedOptions {
     RangeOptions range;
 };
 
-/// The name of a sampler, by its type, and its options.
+/// A sampler, named by the type of its options.
 using SamplerSpec = std::variant<CulledOptions, LightBvhOptions, UniformOptions, PowerOptions,
                                  ExhaustiveOptions, ClampedOptions, PaperOptions>;
 

@@ -7,8 +7,8 @@
 namespace lightcull {
 namespace {
 
-/// Every light within its constant range, in proportion to importance; beyond it, none: [TH16]
-/// appendix A.
+/// Chooses every light within its constant range in proportion to importance, and none beyond its
+/// range: [TH16] appendix A.
 class ClampedSampler final : public PasslessSampler<ClampedSampler> {
   public:
     ClampedSampler(const LightTable& table, float reach)

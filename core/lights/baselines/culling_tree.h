@@ -28,7 +28,7 @@ class CullingTree {
   public:
     CullingTree(const LightTable& table, const RandomRanges& ranges);
 
-    /// The ranges of another pass over the same lights, which both share.
+    /// Makes a tree with the ranges of another pass over the same lights, which both share.
     CullingTree(const CullingTree& other, std::uint64_t pass);
 
     void begin_pass(std::uint64_t pass) { tree_.begin_pass(pass); }
@@ -40,14 +40,14 @@ class CullingTree {
         return lights_->records[record];
     }
 
-    // By record, for back ends.
+    // The lights by record, for back ends.
     const std::vector<LightRecord>& records() const noexcept { return lights_->records; }
     const std::vector<std::uint32_t>& lights() const noexcept { return lights_->lights; }
 
     std::size_t light_count() const noexcept { return lights_->record_of.size(); }
 
     static constexpr std::uint32_t kNoRecord = OrderedLights::kNoRecord;
-    /// kNoRecord for a light of intensity 0.
+    /// The record of a light; kNoRecord for a light of intensity 0.
     std::uint32_t to_record(std::uint32_t light) const noexcept {
         return lights_->record_of[light];
     }

@@ -32,12 +32,12 @@ class LightList {
     const Accepted& operator[](std::uint32_t i) const noexcept { return list_[i]; }
 
     /// The first light at which the sums of weights in cdf, as many as there are lights, rise above
-    /// the u-th part of the last. u in [0, 1).
+    /// the u-th part of the last. u is in [0, 1).
     const Accepted& sample(const float* cdf, float u) const noexcept {
         const float* const last = cdf + size() - 1;
         return list_[std::upper_bound(cdf, last, u * *last) - cdf];
     }
-    /// min(k / m, 1) of Eq. 10.
+    /// The probability min(k / m, 1) of Eq. 10.
     float keep_prob() const noexcept {
         return found_ <= capacity_ ? 1.0f
                                    : static_cast<float>(capacity_) / static_cast<float>(found_);
@@ -137,8 +137,8 @@ class PaperSampler final : public PaperSamplerBase, public SamplerInfo {
     std::size_t memory_size() const noexcept override { return tree_.memory_size(); }
 
   private:
-    /// Whether prob() is a stand-in, for MIS weights alone: what a light's own would have been is
-    /// not known where a list or the vertex has decided.
+    /// True if prob() is a stand-in, for MIS weights alone: a light's own probability is not known
+    /// where a list or the vertex has decided.
     bool has_proxy() const noexcept { return range_at_vertex_ || list_size_ > 0; }
 
     Selection selection(std::uint32_t record, float prob, const Receipt& receipt) const noexcept {
@@ -149,7 +149,7 @@ class PaperSampler final : public PaperSamplerBase, public SamplerInfo {
     float weight(const Accepted& accepted) const noexcept {
         return weight_by_g_ ? accepted.importance : accepted.importance * accepted.inverse_prob;
     }
-    /// p_i q(i) of Eq. 10 times the sum in q(i), without what the vertex decides.
+    /// The product p_i q(i) of Eq. 10 times the sum in q(i), without what the vertex decides.
     float numerator(const Accepted& accepted) const noexcept {
         return range_at_vertex_ ? weight(accepted) : weight(accepted) / accepted.inverse_prob;
     }

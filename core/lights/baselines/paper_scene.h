@@ -18,10 +18,10 @@ struct PaperScene {
     static constexpr std::uint32_t kMaxListSize = 64;
 };
 
-/// `paper`, for back ends that choose as it does.
+/// The sampler `paper`, for back ends that choose as it does.
 class LIGHTCULL_CORE_EXPORT PaperSamplerBase : public LightSampler, public VertexCulling {
   public:
-    /// Lives as long as the sampler. Passes change the ranges of the tree.
+    /// The scene lives as long as the sampler. Passes change the ranges of the tree.
     virtual PaperScene scene() const noexcept = 0;
 };
 

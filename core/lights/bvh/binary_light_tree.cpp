@@ -44,15 +44,15 @@ class OrientationHeuristic {
         Extent extent;
         std::uint32_t light;
 
-        /// Doubled.
+        /// The middle of the item's box, doubled.
         float at(std::size_t dimension) const noexcept {
             return component(extent.box.low, dimension) + component(extent.box.high, dimension);
         }
     };
 
     struct Scale {
-        float3 size;    ///< of the box around the set
-        float longest;  ///< of its sides
+        float3 size;    ///< size of the box around the set
+        float longest;  ///< longest of the box's sides
     };
 
     explicit OrientationHeuristic(const LightTable& table) : table_(table) {}
@@ -77,7 +77,7 @@ class OrientationHeuristic {
         const float3 size = bounds.high - bounds.low;
         return {size, std::max({size.x, size.y, size.z})};
     }
-    /// Against long thin sets.
+    /// A factor of the cost that counts against long thin sets.
     float weight(std::size_t dimension, const Scale& scale) const noexcept {
         return scale.longest / component(scale.size, dimension);
     }

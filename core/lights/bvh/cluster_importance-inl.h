@@ -18,10 +18,10 @@ namespace HWY_NAMESPACE {
 namespace cluster {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// One text for one cluster and many receivers, and for many clusters and one receiver, which are
-// ReceiverLanes. D says how many at a time.
+// The same text serves one cluster and many receivers, and many clusters and one receiver, which
+// are ReceiverLanes. D says how many at a time.
 
-/// A quantity of clusters, from the i-th on; of a single one in all lanes.
+/// Loads a quantity of clusters, from the i-th on; that of a single cluster goes to all lanes.
 template <class D, std::size_t kCount>
 HWY_ATTR HWY_INLINE hn::Vec<D> load(D d, const float (&values)[kCount], std::size_t i) {
     if constexpr (kCount == 1) {
@@ -61,7 +61,8 @@ struct Ways {
     HWY_ATTR V along_lobe(const Receivers& receivers) const {
         return dot(receivers.axis(0), receivers.axis(1), receivers.axis(2), x, y, z);
     }
-    /// By a vector of each cluster, with the sign changed; of two-sided ones the larger of both.
+    /// The dot product with a vector of each cluster, with the sign changed; for two-sided clusters
+    /// the larger of both signs.
     template <std::size_t kCount>
     HWY_ATTR V against(const float (&vectors)[3][kCount], std::size_t i, V two_sided) const {
         const V c = dot(load(D(), vectors[0], i), load(D(), vectors[1], i),
@@ -70,18 +71,18 @@ struct Ways {
     }
 };
 
-/// -1 for clusters of which all is two-sided, else 1.
+/// The sign -1 for clusters of which all is two-sided, else 1.
 template <class D, std::size_t kCount>
 HWY_ATTR HWY_INLINE hn::Vec<D> two_sided(D d, const ClusterMeans<kCount>& clusters, std::size_t i) {
     return hn::CopySign(hn::Set(d, 1.0f), load(d, clusters.diffuse, i));
 }
 
-/// The gates of the importance: where any of a cluster may reach a receiver.
+/// The gates of the importance: they are open where any of a cluster may reach a receiver.
 template <class D, class Receivers, std::size_t kCount>
 HWY_ATTR HWY_INLINE hn::Mask<D> may_reach(D d, const ClusterMeans<kCount>& clusters, std::size_t i,
                                           const Receivers& receivers, const Ways<D>& ways,
                                           hn::Vec<D> height) {
-    // Of the way from the cone's apex: its part along the axis, and its square.
+    // The way from the cone's apex: its part along the axis, and its square.
     const auto along = ways.against(clusters.axis, i, two_sided(d, clusters, i));
     const auto apex = load(d, clusters.apex, i);
     const auto from_apex = hn::Add(along, apex);
@@ -92,15 +93,15 @@ HWY_ATTR HWY_INLINE hn::Mask<D> may_reach(D d, const ClusterMeans<kCount>& clust
     return hn::And(above, inside);
 }
 
-/// c + sqrt(c^2 + q): twice the mean of max(0, c) where c spreads by about sqrt(q). Negative where
-/// q is 0 and c^2 underflows.
+/// The sum c + sqrt(c^2 + q): twice the mean of max(0, c) where c spreads by about sqrt(q). It is
+/// negative where q is 0 and c^2 underflows.
 template <class V>
 HWY_ATTR HWY_INLINE V softened(V c, V q) {
     return hn::Add(c, hn::Sqrt(hn::Add(hn::Mul(c, c), q)));
 }
 
-/// diffuse * received + the glossy lobe of the receivers at a cosine to its axis. angular_spread:
-/// as mean_of_lobe() has it.
+/// The sum of diffuse * received and the glossy lobe of the receivers at a cosine to its axis.
+/// angular_spread: the one that mean_of_lobe() takes.
 template <class D, class Receivers>
 HWY_ATTR HWY_NOINLINE hn::Vec<D> with_lobe(D d, const Receivers& receivers, hn::Vec<D> cosine,
                                            hn::Vec<D> angular_spread, hn::Vec<D> received) {
@@ -113,10 +114,10 @@ HWY_ATTR HWY_NOINLINE hn::Vec<D> with_lobe(D d, const Receivers& receivers, hn::
     return hn::Add(hn::Mul(receivers.diffuse(), received), lobe);
 }
 
-/// Of clusters what they are estimated to give a point, behind the gates above. The bounds of Conty
-/// Estevez & Kulla 2018 bound both cosines, which favours near clusters wherever they face; here
-/// they are means over the cluster. With w the way to the mean position, q its spread and m the
-/// mean normal (1 long where all lights face one way, 0 where they face every way), the squared
+/// The light that clusters are estimated to give a point, behind the gates above. The bounds of
+/// Conty Estevez & Kulla 2018 bound both cosines, which favours near clusters wherever they face;
+/// here both are means over the cluster. With w the way to the mean position, q its spread and m
+/// the mean normal (1 long where all lights face one way, 0 where they face every way), the squared
 /// distance is w^2 + q, and a mean is a hyperbola in n.w for the receiver's normal n, and in -m.w,
 /// where the diffuse part of the emission adds to its root.
 ///

@@ -15,19 +15,20 @@ namespace {
 
 constexpr std::size_t kWidth = LightBvhNode::kWidth;
 
-/// The sum of intensities would count the nodes visited by selections from afar, the number of
-/// nodes would favour full ones; the sum of the roots of intensities serves both.
+/// The cost of a node: the sum of intensities would count the nodes visited by selections from
+/// afar, the number of nodes would favour full ones; the sum of the roots of intensities serves
+/// both.
 float cost_of(const BinaryLightNode& node) noexcept {
     return std::sqrt(node.cluster.intensity);
 }
 
-/// Nodes and links of the wide tree, breadth first; sources[slot] is the binary node to fill a slot
-/// with.
+/// Makes the nodes and links of the wide tree, breadth first; sources[slot] is the binary node to
+/// fill a slot with.
 template <typename Node>
 void lay_out(const std::vector<BinaryLightNode>& binary, LightBvh<Node>& bvh,
              std::vector<std::uint32_t>& sources) {
     const WideTree<BinaryLightNode, kWidth> wide(binary, cost_of);
-    std::vector<std::uint32_t> roots{0};  // by wide node, its binary node
+    std::vector<std::uint32_t> roots{0};  // binary node of each wide node
     bvh.parents.push_back(LightBvh<Node>::kNoSlot);
     for (std::uint32_t n = 0; n < roots.size(); ++n) {
         const auto children = wide.children(roots[n]);

@@ -9,7 +9,7 @@ namespace lightcull {
 namespace {
 
 constexpr float kPi = 3.14159265f;
-/// Of what is lit.
+/// The least intensity of a cluster that is lit.
 constexpr float kLeastIntensity = 1e-37f;
 
 float angle_between(float3 a, float3 b) noexcept {

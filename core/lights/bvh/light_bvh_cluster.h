@@ -8,7 +8,7 @@
 namespace lightcull {
 
 /// Directions of emission, as Light has them: normals up to theta_o from the axis, emission up to
-/// theta_e from a normal. Where two_sided is set, the same about -axis.
+/// theta_e from a normal. Where two_sided is set, a second cone about -axis emits alike.
 struct EmissionCone {
     float3 axis{0, 0, 1};
     float theta_o = 0.0f, theta_e = 0.0f;
@@ -16,7 +16,7 @@ struct EmissionCone {
     bool two_sided = false;
 
     void set_theta_o(float angle) noexcept;
-    /// Half-angle of all emission, at most pi.
+    /// The half-angle of all emission, at most pi.
     float theta() const noexcept;
 };
 
@@ -24,8 +24,8 @@ struct EmissionCone {
 /// two-sided lights together count as emitting everywhere.
 EmissionCone merge(const EmissionCone& a, const EmissionCone& b) noexcept;
 
-/// M_Omega of the same paper: the integral over all directions of the emission of a light of
-/// this cone, relative to its peak. In (0, 4 pi].
+/// The measure M_Omega of the same paper: the integral over all directions of the emission of a
+/// light of this cone, relative to its peak. In (0, 4 pi].
 float orientation_measure(const EmissionCone& cone) noexcept;
 
 struct Box {
@@ -42,13 +42,13 @@ struct LightCluster {
     bool flat = false;  ///< one light, all of it in the plane through center across the cone's axis
     Box box;
     EmissionCone cone;
-    float intensity = 0.0f;       ///< sum
+    float intensity = 0.0f;       ///< sum of the lights' intensities
     float3 center{0, 0, 0};       ///< mean position, like all means weighted by intensity
-    float radius = 0.0f;          ///< of a sphere around center that holds all lights
+    float radius = 0.0f;          ///< radius of a sphere around center that holds all lights
     float variance = 0.0f;        ///< mean squared distance from center
-    float3 mean_normal{0, 0, 0};  ///< of what is emitted in proportion to the cosine to a normal;
-                                  ///< up to signs where the cone is two-sided
-    float mean_emission = 0.0f;   ///< mean over all directions, relative to intensity
+    float3 mean_normal{0, 0, 0};  ///< mean normal of what is emitted in proportion to the cosine to
+                                  ///< a normal; up to signs where the cone is two-sided
+    float mean_emission = 0.0f;   ///< mean emission over all directions, relative to intensity
 };
 
 LightCluster cluster_of(const LightRecord& light) noexcept;

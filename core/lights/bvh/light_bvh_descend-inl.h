@@ -20,15 +20,15 @@ namespace HWY_NAMESPACE {
 namespace bvh {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// How the choice falls among a node's children.
+/// The shares of a node's children, among which the choice falls.
 struct Shares {
     LightBvhImportances importances;
-    double sums[kWidth + 1];  ///< of the importances before each; of all
+    double sums[kWidth + 1];  ///< sum of the importances before each child; at the end, that of all
 
     template <typename Node>
     HWY_ATTR Shares(const Node& node, const Receiver& receiver) {
         compute_importances(node, receiver, importances.of);
-        // In double precision, where each importance above 0 raises the sum.
+        // The sums are in double precision, where each importance above 0 raises the sum.
         sums[0] = 0.0;
         for (std::size_t i = 0; i < kWidth; ++i) {
             sums[i + 1] = sums[i] + static_cast<double>(importances.of[i]);
@@ -36,8 +36,8 @@ struct Shares {
     }
     double total() const { return sums[kWidth]; }
     double prob(std::size_t i) const { return static_cast<double>(importances.of[i]) / total(); }
-    /// The child that `place` falls on; it becomes the place within that child's share. No child of
-    /// importance 0 is chosen, and total() must not be 0.
+    /// The child that `place` falls on; `place` becomes the place within that child's share. No
+    /// child of importance 0 is chosen, and total() must not be 0.
     HWY_ATTR std::size_t choose(double& place) const {
         const double target = place * total();
         std::size_t chosen = 0;
@@ -56,7 +56,7 @@ HWY_ATTR inline void prefetch(const Node& node) {
     for (std::size_t at = 0; at < sizeof node; at += kLine) hwy::Prefetch(bytes + at);
 }
 
-/// One level down. False at the end of the way.
+/// Takes a descent one level down. False at the end of the way.
 template <typename Node>
 HWY_ATTR inline bool step(const LightBvh<Node>& bvh, LightBvhDescent& descent) {
     const Node& node = bvh.nodes[descent.child];

@@ -11,9 +11,9 @@ namespace lightcull {
 /// A selection on its way from the root to a light.
 struct LightBvhDescent {
     Receiver receiver;
-    double place = 0.0;       ///< [0, 1): where in the share of `child` the choice falls
-    double prob = 1.0;        ///< of `child`; 0: none of its lights can reach the point
-    std::uint32_t child = 0;  ///< as BoundsNode::child
+    double place = 0.0;       ///< place in the share of `child` where the choice falls, [0, 1)
+    double prob = 1.0;        ///< probability of `child`; 0: none of its lights can reach the point
+    std::uint32_t child = 0;  ///< a child, in the form of BoundsNode::child
 };
 
 /// Importances of a node's children, in the order of its slots.
@@ -21,7 +21,7 @@ struct LightBvhImportances {
     alignas(32) float of[LightBvhNode::kWidth];
 };
 
-/// Of LightBvhKernels::descend.
+/// The most descents that LightBvhKernels::descend takes at once.
 inline constexpr std::size_t kMaxDescents = 16;
 
 }  // namespace lightcull

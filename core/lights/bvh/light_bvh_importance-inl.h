@@ -34,7 +34,7 @@ HWY_ATTR inline Vec other_of(Vec sine_or_cosine) {
         hn::Max(hn::Sub(one, hn::Mul(sine_or_cosine, sine_or_cosine)), hn::Zero(Tag())));
 }
 
-/// max(0, a - b).
+/// The angle max(0, a - b).
 HWY_ATTR HWY_INLINE AngleVec subtract_clamped(AngleVec a, AngleVec b) {
     const auto none = hn::Ge(a.cosine, b.cosine);
     const auto sine = hn::Sub(hn::Mul(a.sine, b.cosine), hn::Mul(a.cosine, b.sine));
@@ -88,8 +88,8 @@ HWY_ATTR HWY_INLINE void compute_importances(const BoundsNode& node, const Recei
                 hn::Mul(dot(hn::Set(d, receiver.axis.x), hn::Set(d, receiver.axis.y),
                             hn::Set(d, receiver.axis.z), wx, wy, wz),
                         inverse);
-            // The mean in the bounds: their largest value would outweigh all else wherever the lobe
-            // is narrower than they are.
+            // The mean in the bounds is taken: their largest value would outweigh all else wherever
+            // the lobe is narrower than they are.
             const auto spread = hn::Mul(hn::Set(d, 0.4f), hn::Mul(half_sine, half_sine));
             const auto glossy = cluster::with_lobe(d, ReceiverLanes<Tag, Receiver>{receiver},
                                                    mirrored, spread, received);
@@ -97,7 +97,7 @@ HWY_ATTR HWY_INLINE void compute_importances(const BoundsNode& node, const Recei
         }
 
         const auto cos_theta_e = load(node.cos_theta_e);
-        const auto two_sided = hn::CopySign(one, cos_theta_e);  // -1: yes
+        const auto two_sided = hn::CopySign(one, cos_theta_e);  // -1 where all is two-sided
         const auto along = hn::Mul(
             dot(load(node.axis[0]), load(node.axis[1]), load(node.axis[2]), wx, wy, wz), inverse);
         const auto facing = hn::Max(hn::Neg(along), hn::Neg(hn::Mul(two_sided, along)));

@@ -10,7 +10,7 @@
 
 namespace lightcull {
 
-// In light_bvh_kernels_scalar.cpp.
+// Defined in light_bvh_kernels_scalar.cpp.
 const LightBvhKernels<BoundsNode>& scalar_bounds_kernels() noexcept;
 const LightBvhKernels<MeansNode>& scalar_means_kernels() noexcept;
 

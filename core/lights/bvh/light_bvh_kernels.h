@@ -9,13 +9,14 @@
 
 namespace lightcull {
 
-/// What is done with a light BVH, for one instruction set; all of them give the same bits.
+/// The work that is done with a light BVH, for one instruction set; all of them give the same bits.
 template <typename Node>
 struct LightBvhKernels {
     void (*importances)(const Node& node, const Receiver& receiver, float* result);
 
     /// Takes each descent that is not at a light to one, or to prob 0; at most kMaxDescents. Many
-    /// cost less together than one after the other: one computes while others wait for memory.
+    /// descents cost less together than one after the other: one computes while others wait for
+    /// memory.
     void (*descend)(const LightBvh<Node>& bvh, Span<LightBvhDescent> descents);
 
     /// The probability of what a slot holds: to the bit what a descent finds that takes it, if it
@@ -24,7 +25,7 @@ struct LightBvhKernels {
                            double prob);
 };
 
-/// Those for the instruction set in use.
+/// The kernels for the instruction set in use.
 template <typename Node>
 const LightBvhKernels<Node>& light_bvh_kernels() noexcept;
 template <>

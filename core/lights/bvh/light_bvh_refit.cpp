@@ -13,7 +13,8 @@ namespace {
 
 constexpr std::size_t kWidth = LightBvhNode::kWidth;
 
-/// Where each level of the tree begins, and its end: nodes lie breadth first.
+/// The node at which each level of the tree begins, and the end of the last: nodes lie breadth
+/// first.
 template <typename Node>
 std::vector<std::size_t> levels_of(const LightBvh<Node>& bvh) {
     std::vector<std::size_t> levels{0};
@@ -33,8 +34,8 @@ std::vector<std::size_t> levels_of(const LightBvh<Node>& bvh) {
     return levels;
 }
 
-/// Fills the slots of a node, and returns the cluster of all of them; one of intensity 0 if none is
-/// lit. of_nodes: the clusters of the nodes below.
+/// Fills the slots of a node, and returns the cluster of all of them, which has intensity 0 if none
+/// is lit. of_nodes: the clusters of the nodes below.
 template <typename Node>
 LightCluster refit(Node& node, const LightTable& table, const std::vector<LightCluster>& of_nodes) {
     LightCluster all;
@@ -45,7 +46,7 @@ LightCluster refit(Node& node, const LightTable& table, const std::vector<LightC
         const LightCluster cluster =
             is_light ? cluster_of(table.records[child & ~LightBvhNode::kLight]) : of_nodes[child];
         if (!(cluster.intensity > 0.0f)) {
-            node.intensity[place] = 0.0f;  // never chosen
+            node.intensity[place] = 0.0f;  // a light that is not lit is never chosen
             continue;
         }
         fill_slot(node, place, cluster, is_light ? SlotKind::kLight : SlotKind::kNode);

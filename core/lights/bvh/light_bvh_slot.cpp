@@ -10,13 +10,14 @@ namespace {
 
 constexpr float kPi = 3.14159265f;
 
-/// What the bounds of nodes must hold more than those of their lights, against rounding.
+/// Margins by which the bounds of nodes exceed those of their lights, against rounding.
 constexpr float kRoundUp = 1.0f + 1e-4f, kLeastRadius = 1e-6f, kAngleMargin = 2e-3f;
 
-/// With less spread (of the squared radius) or diffuse emission, the importance of a few faint
-/// lights among bright ones that face away, or lie below the horizon, would be rounded to 0.
+/// The least spread and diffuse emission of a slot. With less spread (of the squared radius) or
+/// diffuse emission, the importance of a few faint lights among bright ones that face away, or lie
+/// below the horizon, would be rounded to 0.
 constexpr float kLeastSpread = 1e-4f, kLeastDiffuse = 1e-4f;
-/// The same for a flat light and the rounding of its axis.
+/// The least diffuse emission of a flat light, for the rounding of its axis.
 constexpr float kLeastFlatDiffuse = 4.0f * kAxisRounding * kAxisRounding;
 
 void set_vector(float (&of)[3][LightBvhNode::kWidth], std::size_t place, float3 value) noexcept {
@@ -53,13 +54,13 @@ void set_cone(MeansNode& node, std::size_t place, const EmissionCone& cone, floa
     }
 }
 
-/// The share of all directions that the cone covers.
+/// The share of all directions that lie in the cone.
 float solid_angle_share(const EmissionCone& cone) noexcept {
     const float sine = std::sin(0.5f * cone.theta());
     return cone.two_sided ? std::min(1.0f, 2.0f * sine * sine) : sine * sine;
 }
 
-/// Of MeansNode::diffuse. What a cluster emits on the average over its cone, twice, is 1 for
+/// The value of MeansNode::diffuse. The mean that a cluster emits over its cone, twice, is 1 for
 /// flat lights; the more the normals differ, the less depends on direction.
 float diffuse(const LightCluster& cluster) noexcept {
     const float inside =
@@ -105,7 +106,8 @@ void fill_slot(MeansNode& node, std::size_t place, const LightCluster& cluster,
     const bool is_node = kind == SlotKind::kNode;
     const float radius = is_node ? cluster.radius * kRoundUp + kLeastRadius : cluster.radius;
     set_position(node, place, cluster, radius);
-    // One plane bounds what a flat light reaches; at the light, by what its axis may be off.
+    // One plane bounds what a flat light reaches; near the light, the bound is by what its axis may
+    // be off.
     const float thickness = std::sqrt(kSpread) * kAxisRounding * radius;
     set_cone(node, place, cluster.cone, cluster.flat ? thickness : radius,
              is_node ? kAngleMargin : kAxisRounding);

@@ -11,7 +11,7 @@
 namespace lightcull {
 namespace {
 
-/// Without a heap: it may be that memory lacks.
+/// The text of the last error. It lies outside the heap, as it may be that memory lacks.
 thread_local char last_error[1024] = "";
 
 void keep(const char* text) noexcept {

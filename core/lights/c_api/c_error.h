@@ -8,11 +8,11 @@
 
 namespace lightcull {
 
-/// To be called while an exception is handled: keeps its text for lightcull_last_error(). of_error:
-/// the code for an Error.
+/// Keeps the text of the exception that is being handled for lightcull_last_error(). of_error: the
+/// code for an Error.
 lightcull_error keep_current_exception(lightcull_error of_error) noexcept;
 
-/// Runs it; no exception comes out.
+/// Runs a function; no exception comes out.
 template <typename Function>
 lightcull_error guarded(Function&& function,
                         lightcull_error of_error = LIGHTCULL_INVALID_ARGUMENT) noexcept {

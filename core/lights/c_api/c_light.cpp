@@ -20,7 +20,7 @@ void to_array(float3 from, float (&to)[3]) noexcept {
     to[2] = from.z;
 }
 
-/// name: of the light, for messages.
+/// Throws Error for a wrong size. name: the name of the light in messages.
 void check_size(const lightcull_light& light, const std::string& name) {
     if (light.size == sizeof(lightcull_light)) return;
     throw Error(name + ": size is " + std::to_string(light.size) + ", wanted " +

@@ -30,7 +30,8 @@ SamplerContext context_of(const lightcull_context* from) {
     return context;
 }
 
-/// Throws Error for what needs more of a host than the C interface has.
+/// Parses a description, and throws Error for a sampler that needs more of a host than the C
+/// interface has.
 SamplerSpec parse_sampler_of_c(const char* description) {
     check_not_null(description, "description");
     const SamplerSpec spec = parse_sampler(description);
@@ -50,7 +51,7 @@ std::unique_ptr<LightSampler> make(const char* description, const lightcull_ligh
     return make_sampler(spec, to_cpp(lights, count), cpp_context);
 }
 
-/// A handle in *made, or NULL and an error. `make` gives a pointer that owns.
+/// Sets *made to a handle, or to NULL with an error. `make` gives a pointer that owns.
 template <typename Handle, typename Make>
 lightcull_error create(Handle** made, const char* name, const Make& make) noexcept {
     return guarded([&] {

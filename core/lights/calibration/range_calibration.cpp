@@ -24,7 +24,7 @@ float clamp_reach(double reach) noexcept {
     return static_cast<float>(std::clamp(reach, kLeastReach, kGreatestReach));
 }
 
-/// [TH16] Eq. 7, or appendix A, for the given epsilon_max.
+/// The reach by [TH16] Eq. 7, or appendix A, for the given epsilon_max.
 double reach_of_error_bound(const RangedScene& scene, const RangeOptions& options, RangeLaw law) {
     const double error_bound = *options.error_bound, exposure = options.exposure;
     const double metres2 =
@@ -35,11 +35,12 @@ double reach_of_error_bound(const RangedScene& scene, const RangeOptions& option
     return metres2 * scene.frame.intensity * scale * scale;
 }
 
-/// Of many lights a random sample.
+/// A random sample of the lights, where there are many.
 std::vector<std::size_t> sample_lights(std::size_t n) {
     std::vector<std::size_t> sample(std::min(n, kSampledLights));
     for (std::size_t i = 0; i < sample.size(); ++i) {
-        // One of each stratum: neighbours in the array are often neighbours in space.
+        // One light of each stratum is drawn: neighbours in the array are often neighbours in
+        // space.
         const std::size_t begin = i * n / sample.size(), end = (i + 1) * n / sample.size();
         sample[i] = begin + hash(i, 1) % (end - begin);
     }
@@ -68,8 +69,8 @@ std::vector<Receiver> points_or_drawn(const RangedScene& scene, Span<const Shadi
     return points;
 }
 
-/// Distance to the bounding sphere, squared, over intensity, of all pairs of a point and a sampled
-/// light that can reach it: the reach at which p_i becomes 1. Ascending.
+/// The distance to the bounding sphere, squared, over intensity, for all pairs of a point and a
+/// sampled light that can reach it: the reach at which p_i becomes 1. The numbers ascend.
 std::vector<float> sorted_thresholds(const RangedScene& scene,
                                      const std::vector<std::size_t>& sample,
                                      const std::vector<Receiver>& points) {
@@ -86,7 +87,7 @@ std::vector<float> sorted_thresholds(const RangedScene& scene,
     return thresholds;
 }
 
-/// Sum over the thresholds t of p = min(1, reach / t), or of [t <= reach].
+/// The sum over the thresholds t of p = min(1, reach / t), or of [t <= reach].
 class ExpectedCount {
   public:
     ExpectedCount(std::vector<float> thresholds, RangeLaw law)
@@ -126,7 +127,7 @@ double reach_of_expected_count(const RangedScene& scene, const RangeOptions& opt
         std::upper_bound(thresholds.begin(), thresholds.end(), 0.0f) - thresholds.begin());
     const double expected = static_cast<double>(options.expected_accepted) * per_point;
     const double wanted = std::max(expected, always + 0.5 * expected);
-    // Fewer lights than wanted: reach them all.
+    // Where there are fewer lights than wanted, all are reached.
     if (static_cast<double>(thresholds.size()) <= wanted) return kGreatestReach;
     const ExpectedCount count(std::move(thresholds), law);
     double low = std::log2(kLeastReach), high = std::log2(kGreatestReach);

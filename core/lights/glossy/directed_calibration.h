@@ -4,8 +4,8 @@
 
 namespace lightcull {
 
-/// Ranges are found for the lit lights of a table, with the distances that DirectedLight has. The
-/// table must outlive it.
+/// The scene of the lit lights of a table, with the distances that DirectedLight has. The table
+/// must outlive it.
 RangedScene directed_scene(const LightTable& table);
 
 }  // namespace lightcull

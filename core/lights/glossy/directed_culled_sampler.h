@@ -9,11 +9,11 @@
 
 namespace lightcull {
 
-/// What make_directed_culled_sampler() makes, to be told from other samplers.
+/// The base of what make_directed_culled_sampler() makes, to be told from other samplers.
 class LIGHTCULL_CORE_EXPORT DirectedCulledSamplerBase : public LightSampler {};
 
-/// `culled` for lights of which some are glossy points: each has a range of its own, which depends
-/// on the direction. reach, set_count: as of RandomRanges.
+/// Makes `culled` for lights of which some are glossy points: each has a range of its own, which
+/// depends on the direction. reach, set_count: the arguments of RandomRanges.
 std::unique_ptr<LightSampler> make_directed_culled_sampler(const LightTable& table, float reach,
                                                            std::uint32_t set_count);
 

@@ -35,7 +35,7 @@ class DirectedLight {
     }
 
     float3 center() const noexcept { return center_; }
-    float radius() const noexcept { return radius_; }  ///< of the light's bounding sphere
+    float radius() const noexcept { return radius_; }  ///< radius of the bounding sphere
     float intensity() const noexcept { return intensity_; }
 
     /// The distance at which p is in the direction of the peak what it is at a point; infinite
@@ -44,19 +44,19 @@ class DirectedLight {
         if (kind_ == Kind::kSphere) return std::max(way.distance - radius_, 0.0f);
         if (!(way.distance > 0.0f)) return 0.0f;
         if (kind_ == Kind::kGlossy) return way.distance * lobe_fall_off(axis_, sharpness_, way);
-        // As much wider as importance() has it.
+        // The cosine grows by the rounding of the axis, as in importance().
         const float cosine = -dot(axis_, way.way) / way.distance + kAxisRounding;
         if (!(cosine > 0.0f)) return std::numeric_limits<float>::infinity();
         return way.distance / std::sqrt(std::min(cosine, 1.0f));
     }
 
-    /// Holds every point whose distance() is at most `range`. About the spheroid it is the sphere
-    /// on its longer axis; of the diffuse solid it is the smallest one, whose centre [TH17] section
-    /// 6 misprints (design.md, "Glossy lights").
+    /// A ball that holds every point whose distance() is at most `range`. About the spheroid it is
+    /// the sphere on its longer axis; of the diffuse solid it is the smallest one, whose centre
+    /// [TH17] section 6 misprints (design.md, "Glossy lights").
     Ball volume(float range) const noexcept {
-        // For the rounding of distance(), which grows with the sharpness of the lobe.
+        // A margin for the rounding of distance(), which grows with the sharpness of the lobe.
         constexpr float kMargin = 1.0005f;
-        // Fourth roots of 1/27 and 4/27.
+        // The fourth roots of 1/27 and 4/27.
         constexpr float kDiffuseOffset = 0.43869134f, kDiffuseRadius = 0.62040323f;
         if (kind_ == Kind::kSphere) return {center_, range + radius_};
         if (kind_ == Kind::kDiffuse) {
@@ -70,7 +70,7 @@ class DirectedLight {
     enum class Kind { kSphere, kDiffuse, kGlossy };
 
     Ball moved(float along, float radius) const noexcept {
-        // Of the centre's coordinates.
+        // The rounding of the centre's coordinates.
         constexpr float kRounding = 0x1p-22f;
         const float3 c = center_ + axis_ * along;
         return {c, radius + kRounding * (std::abs(c.x) + std::abs(c.y) + std::abs(c.z))};

@@ -19,10 +19,10 @@ namespace lightcull {
 /// record, in the order of the tree's leaves.
 class InfluenceTree {
   public:
-    /// records: lit ones. Has no ranges before the first begin_pass().
+    /// records: those of lit lights. The tree has no ranges before the first begin_pass().
     InfluenceTree(Span<const LightRecord> records, const RandomRanges& ranges);
 
-    /// The ranges of another pass over the same lights, which both share.
+    /// Makes a tree with the ranges of another pass over the same lights, which both share.
     InfluenceTree(const InfluenceTree& other, std::uint64_t pass);
 
     /// Draws all ranges of the pass and places the spheres. Runs in the caller's TBB arena.
@@ -32,7 +32,7 @@ class InfluenceTree {
     const DirectedLight& light(std::uint32_t record) const noexcept {
         return shared_->lights[record];
     }
-    /// By record: index in what the tree was built over.
+    /// The index of each record in what the tree was built over.
     const std::vector<std::uint32_t>& order() const noexcept { return shared_->order; }
 
     /// Calls visit(Span of records) for whatever may be accepted at a point in `set`, some at a
@@ -44,11 +44,11 @@ class InfluenceTree {
         return traverse(tree, radii_.data() + set * tree.slot_count(), receiver, visit);
     }
 
-    /// Whether p_i > xi_i at a distance as DirectedLight has it.
+    /// True if p_i > xi_i at a distance as DirectedLight has it.
     bool accepts(std::uint32_t record, std::uint32_t set, float distance) const noexcept {
         return distance <= range(record, set);
     }
-    /// 1 / p.
+    /// The inverse 1 / p at a distance as DirectedLight has it.
     float inverse_prob(std::uint32_t record, float distance) const noexcept {
         return ranges_.inverse_prob(shared_->lights[record].intensity(), distance);
     }
@@ -61,7 +61,7 @@ class InfluenceTree {
     }
     void place(std::uint32_t set);
 
-    /// What does not change from pass to pass.
+    /// The part of the tree that does not change from pass to pass.
     struct Shared {
         std::vector<std::uint32_t> order;
         std::vector<DirectedLight> lights;

@@ -5,7 +5,7 @@
 
 namespace lightcull {
 
-/// Ranges are found for groups of lights. Both must outlive it.
+/// The scene of groups of lights, for which ranges are found. Both arguments must outlive it.
 RangedScene ranged_scene(const LightGroups& groups, const Frame& frame);
 
 }  // namespace lightcull

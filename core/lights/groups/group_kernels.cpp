@@ -10,7 +10,7 @@
 
 namespace lightcull {
 
-// In group_kernels_scalar.cpp.
+// Defined in group_kernels_scalar.cpp.
 const GroupKernels& scalar_group_kernels() noexcept;
 
 namespace {

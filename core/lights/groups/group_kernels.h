@@ -11,7 +11,8 @@ namespace lightcull {
 class RangeTree;
 struct LightGroup;
 
-/// What is done with groups of lights, for one instruction set; all of them give the same bits.
+/// The work that is done with groups of lights, for one instruction set; all of them give the same
+/// bits.
 struct GroupKernels {
     float (*importance)(const LightGroup& group, const Receiver& receiver);
 
@@ -28,7 +29,7 @@ struct GroupKernels {
                           PacketChoice& choice);
 };
 
-/// Those for the instruction set in use.
+/// The kernels for the instruction set in use.
 const GroupKernels& group_kernels() noexcept;
 
 }  // namespace lightcull

@@ -37,7 +37,7 @@ HWY_ATTR HWY_INLINE hn::Vec<D> random_numbers(D d, VU u_bits, VU record) {
     return hn::Min(hn::Mul(number, hn::Set(d, 0x1p-32f)), hn::Set(d, Reservoir::kBelowOne));
 }
 
-/// 1 / p of [TH16] Eq. 1, by the arithmetic of RandomRanges.
+/// The inverse 1 / p of [TH16] Eq. 1, by the arithmetic of RandomRanges.
 template <class D>
 HWY_ATTR HWY_INLINE hn::Vec<D> inverse_probs(D d, hn::Vec<D> distance2, hn::Vec<D> radius,
                                              hn::Vec<D> inverse_limit) {
@@ -56,7 +56,7 @@ HWY_ATTR inline float importance(const LightGroup& group, const Receiver& receiv
     return hn::GetLane(hn::IfThenElseZero(reached, g));
 }
 
-/// Groups side by side; the rest of it is 0.
+/// A block of groups side by side; places without a group are 0.
 constexpr std::size_t kBlock = 16;
 struct alignas(64) GroupBlock : ClusterMeans<kBlock> {
     std::uint32_t records[kBlock];
@@ -65,7 +65,8 @@ struct alignas(64) GroupBlock : ClusterMeans<kBlock> {
     HWY_ATTR GroupBlock() {
         const hn::CappedTag<std::uint8_t, 64> d;
         auto* bytes = reinterpret_cast<std::uint8_t*>(this);
-        // Not "= {}", for which compilers call a memset that costs more than a block's weights.
+        // The loop stands in place of "= {}", for which compilers call a memset that costs more
+        // than a block's weights.
         for (std::size_t i = 0; i < sizeof *this; i += hn::Lanes(d)) {
             hn::Store(hn::Zero(d), d, bytes + i);
         }
@@ -93,7 +94,7 @@ HWY_ATTR inline void weigh_block(const RangeTree& tree, GroupBlock& block, std::
                                                 hn::Div(hn::Set(d, 1.0f), limit));
         const auto weight = hn::Mul(g, inverse_prob);
         hn::Store(weight, d, block.weights + i);
-        // Sums in the order of the groups.
+        // The sums are taken in the order of the groups.
         const std::size_t end = std::min(count, i + hn::Lanes(d));
         float sum = choice.weight_sum;
         for (std::size_t j = i; j < end; ++j) block.sums[j] = sum += block.weights[j];

@@ -49,7 +49,7 @@ class Grouping {
         return is_light(child) ? 1 : sizes_[child];
     }
 
-    /// All lights under a child belong to the group.
+    /// Gives all lights under a child to the group.
     void give(std::uint32_t child, std::uint32_t group) {
         if (is_light(child)) {
             out_.group_of[child & ~LightBvhNode::kLight] = group;

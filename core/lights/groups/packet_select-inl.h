@@ -39,7 +39,8 @@ struct Encounter {
                hn::Set(Tag(), center.z)),
           height(ways.height_over(receivers)) {}
 
-    /// Where a receiver is within the sphere, and what the slot holds is not below its horizon.
+    /// True where a receiver is within the sphere, and what the slot holds is not below its
+    /// horizon.
     HWY_ATTR hn::Mask<Tag> concerns(float radius, float bounds) const {
         const Tag d;
         const auto above = hn::Gt(hn::Add(height, hn::Set(d, bounds)),
@@ -72,7 +73,7 @@ HWY_ATTR inline void weigh(const RangeTree& tree, const LightGroup& group, std::
               du, choice.record + i);
 }
 
-/// Bit s is set if the box of the receivers reaches into the sphere of slot s.
+/// A mask in which bit s is set if the box of the receivers reaches into the sphere of slot s.
 HWY_ATTR inline std::uint32_t slots_near(const SphereNode& node, const float* radii,
                                          const ReceiverPacket& packet) {
     const hn::CappedTag<float, SphereNode::kWidth> d;
@@ -96,7 +97,8 @@ HWY_ATTR inline std::uint32_t slots_near(const SphereNode& node, const float* ra
     return bits;
 }
 
-/// Whether a slot concerns any of the receivers. A leaf is weighed for those that it does.
+/// True if a slot concerns any of the receivers. A leaf is weighed for the receivers that it
+/// concerns.
 HWY_ATTR inline bool visit_slot(const RangeTree& ranged, const LightGroup* groups,
                                 const SphereNode& node, std::uint32_t slot, float radius,
                                 const ReceiverPacket& packet, const PacketRandom& random,

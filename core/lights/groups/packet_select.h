@@ -6,19 +6,19 @@
 
 namespace lightcull {
 
-/// What the receivers of a packet choose by.
+/// The random numbers by which the receivers of a packet choose.
 struct alignas(64) PacketRandom {
-    std::uint32_t u_bits[ReceiverPacket::kSize];  ///< as Reservoir has them
+    std::uint32_t u_bits[ReceiverPacket::kSize];  ///< bits of u, as Reservoir has them
 };
 
-/// What a Reservoir of groups holds at the end.
+/// The state of a Reservoir of groups at the end.
 struct GroupChoice {
     float weight_sum = 0.0f;
     float numerator = 0.0f;
     std::uint32_t record = 0;
 };
 
-/// The same for each receiver of a packet.
+/// The choices of the receivers of a packet.
 struct alignas(64) PacketChoice {
     float weight_sum[ReceiverPacket::kSize];
     float numerator[ReceiverPacket::kSize];

@@ -15,7 +15,7 @@ struct Approach {
     float distance2;
     float distance;
 
-    /// Unit length, or 0 at distance 0.
+    /// The direction of the way, of unit length, or 0 at distance 0.
     float3 direction() const noexcept { return way * (distance > 0.0f ? 1.0f / distance : 0.0f); }
 };
 
@@ -37,7 +37,7 @@ struct Angle {
     }
 };
 
-/// max(0, a - b).
+/// The angle max(0, a - b).
 inline Angle subtract_clamped(Angle a, Angle b) noexcept {
     if (a.cosine >= b.cosine) return {0.0f, 1.0f};
     return {a.sine * b.cosine - a.cosine * b.sine, a.cosine * b.cosine + a.sine * b.sine};
@@ -64,8 +64,9 @@ inline float3 axis_of(const LightRecord& light) noexcept {
            LightRecord::kSnorm;
 }
 
-/// Of a glossy lobe of that 1 / alpha^2 - 1 about an axis (unit length), the root of what its
-/// intensity towards the point falls by: the distance over that of [TH17] Eq. 12.
+/// The root of what the intensity of a glossy lobe towards the point falls by: the distance over
+/// that of [TH17] Eq. 12. The lobe lies about `axis` (unit length); its sharpness is that of
+/// lobe_sharpness().
 inline float lobe_fall_off(float3 axis, float sharpness, const Approach& way) noexcept {
     const float along = -dot(axis, way.way);
     // The square of the sine of half the angle; (1 - cosine) / 2 would cancel near the axis.
@@ -77,7 +78,7 @@ inline float lobe_fall_off(float3 axis, float sharpness, const Approach& way) no
     return 1.0f + sharpness * half_sine2;
 }
 
-/// 1 / alpha^2 - 1 of a glossy point.
+/// The sharpness 1 / alpha^2 - 1 of a glossy point.
 inline float lobe_sharpness(const LightRecord& light) noexcept {
     return 1.0f / (light.alpha() * light.alpha()) - 1.0f;
 }
@@ -98,17 +99,17 @@ inline float emitter_bound(const LightRecord& light, const Approach& way,
 }
 
 /// The mean over a light of max(0, c), where c is a height above some plane: `height` at the
-/// light's centre, of a variance of `variance`.
+/// light's centre, with a variance of `variance`.
 inline float mean_above(float height, float variance) noexcept {
     return 0.5f * (height + std::sqrt(height * height + variance));
 }
 
-/// Of triangles of common shapes, the mean squared distance from the centre of the bounding sphere
-/// is this times the square of its radius.
+/// The mean squared distance from the centre of the bounding sphere, over the square of its radius,
+/// for triangles of common shapes.
 inline constexpr float kSpread = 0.25f;
 /// The variance of a height over a light, by its spread.
 inline constexpr float kHeightSpread = 0.375f;
-/// What rounding the axis to 16 bits may add to a cosine.
+/// The most that rounding the axis to 16 bits may add to a cosine.
 inline constexpr float kAxisRounding = 5e-5f;
 
 /// The mean over a light of a GlossyLobe: in its formula alpha^2 grows by what the light's spread
@@ -121,8 +122,8 @@ inline float mean_of_lobe(float peak, float alpha2, float cosine, float angular_
 
 /// An estimate of g_i(x) of [TH16] Eq. 9, what the light gives a point but for visibility:
 /// intensity by the mean squared distance, by the mean cosine at the emitter and the mean of cosine
-/// times BSDF at the receiver. 0 only where the light cannot reach x. Largest cosines, as the paper
-/// has them for the receiver, would favour near lights wherever they face.
+/// times BSDF at the receiver. It is 0 only where the light cannot reach x. Largest cosines, as the
+/// paper has them for the receiver, would favour near lights wherever they face.
 inline float importance(const LightRecord& light, const Approach& way,
                         const Receiver& receiver) noexcept {
     const float spread = kSpread * light.radius * light.radius;

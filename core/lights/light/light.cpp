@@ -17,8 +17,8 @@ float3 unit(float3 v) noexcept {
     return scaled * (1.0f / length(scaled));
 }
 
-/// The smallest sphere around a triangle: that of its longest edge if the triangle is obtuse, else
-/// the circumscribed one.
+/// Sets the smallest sphere around a triangle: that of its longest edge if the triangle is obtuse,
+/// else the circumscribed one.
 void set_bounding_sphere(Light& light, float3 a, float3 b, float3 c) noexcept {
     const float3 corners[3] = {a, b, c};
     light.center = (a + b) * 0.5f;
@@ -38,7 +38,7 @@ void set_bounding_sphere(Light& light, float3 a, float3 b, float3 c) noexcept {
     if (acute && normal2 > 0.0f) {
         light.center = a + (cross(normal, ab) * ac2 + cross(ac, normal) * ab2) * (0.5f / normal2);
     }
-    // Measured from the centre that was found, whatever rounding did to it.
+    // The radius is measured from the centre that was found, whatever rounding did to it.
     constexpr float kRoundUp = 1.0f + 1e-6f;
     light.radius =
         std::max({length(a - light.center), length(b - light.center), length(c - light.center)}) *
@@ -49,7 +49,8 @@ void set_bounding_sphere(Light& light, float3 a, float3 b, float3 c) noexcept {
 /// theta_o from the axis, then cos(theta - theta_o) for theta_e more.
 double profile_integral(double theta_o, double theta_e) noexcept {
     const double end = std::min(theta_o + theta_e, kPi);
-    // Of sin(t) cos(t - theta_o) = (sin(2 t - theta_o) + sin(theta_o)) / 2 from theta_o to end.
+    // This is the integral of sin(t) cos(t - theta_o) = (sin(2 t - theta_o) + sin(theta_o)) / 2
+    // from theta_o to end.
     const double tail = 0.25 * (std::cos(theta_o) - std::cos(2.0 * end - theta_o)) +
                         0.5 * std::sin(theta_o) * (end - theta_o);
     return 2.0 * kPi * (1.0 - std::cos(theta_o) + tail);

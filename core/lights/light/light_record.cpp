@@ -113,7 +113,8 @@ LightTable make_light_table(Span<const Light> lights) {
     table.records.reserve(lights.size());
     for (std::size_t i = 0; i < lights.size(); ++i) {
         table.records.push_back(to_record(lights[i], table.frame));
-        // Relative to the brightest, the faintest may vanish; then no path would ever miss it.
+        // Relative to the brightest light, the faintest may vanish; then no path would ever miss
+        // it.
         if (table.records.back().intensity > 0.0f) {
             table.lit.push_back(static_cast<std::uint32_t>(i));
             table.has_glossy |= table.records.back().is_glossy();
@@ -135,7 +136,7 @@ float reach_in(const Frame& frame, float reach, const Frame& of_reach) noexcept 
         static_cast<double>(frame.inv_scale) / static_cast<double>(of_reach.inv_scale);
     const double brightness =
         static_cast<double>(frame.intensity) / static_cast<double>(of_reach.intensity);
-    constexpr double kLeast = 1e-30, kGreatest = 1e18;  // as calibrate_reach() has them
+    constexpr double kLeast = 1e-30, kGreatest = 1e18;  // the bounds of calibrate_reach()
     return static_cast<float>(
         std::clamp(static_cast<double>(reach) * scale * scale * brightness, kLeast, kGreatest));
 }

@@ -11,15 +11,15 @@
 
 namespace lightcull {
 
-/// What every traversal reads of a light, in the units of a LightTable. The same bytes serve all
-/// back ends.
+/// The part of a light that every traversal reads, in the units of a LightTable. The same bytes
+/// serve all back ends.
 struct LightRecord {
     float3 center;
     float radius;
-    float intensity;           ///< 1 for the brightest light of the table
-    std::int16_t axis[3];      ///< times kSnorm
-    std::int16_t cos_theta_o;  ///< times kSnorm, rounded to a wider cone; kFlat: flat
-    std::int16_t cos_theta_e;  ///< times kSnorm, rounded to a wider cone; of a glossy point
+    float intensity;           ///< intensity; 1 for the brightest light of the table
+    std::int16_t axis[3];      ///< axis, times kSnorm
+    std::int16_t cos_theta_o;  ///< cosine times kSnorm, rounded to a wider cone; kFlat: flat
+    std::int16_t cos_theta_e;  ///< cosine times kSnorm, rounded to a wider cone; for a glossy point
                                ///< -lobe_alpha
     std::uint16_t two_sided;   ///< 0 or 1
 
@@ -27,7 +27,7 @@ struct LightRecord {
     static constexpr std::int16_t kFlat = 32767;
 
     bool is_glossy() const noexcept { return cos_theta_e < 0; }
-    /// Of a glossy one.
+    /// The roughness alpha of a glossy light.
     float alpha() const noexcept { return static_cast<float>(-cos_theta_e) * kSnorm; }
 };
 static_assert(sizeof(LightRecord) == 32 && alignof(LightRecord) == 4);
@@ -35,12 +35,12 @@ static_assert(offsetof(LightRecord, radius) == 12 && offsetof(LightRecord, inten
 static_assert(offsetof(LightRecord, axis) == 20 && offsetof(LightRecord, cos_theta_o) == 26);
 static_assert(offsetof(LightRecord, cos_theta_e) == 28 && offsetof(LightRecord, two_sided) == 30);
 
-/// From the caller's metres to the units of a table, in which the lights' bounds lie in about
-/// [-1, 1]: no digits are lost to a far origin, and no power of a length overflows.
+/// A transform from the caller's metres to the units of a table, in which the lights' bounds lie in
+/// about [-1, 1]: no digits are lost to a far origin, and no power of a length overflows.
 struct Frame {
-    float3 origin{0, 0, 0};  ///< metres
+    float3 origin{0, 0, 0};  ///< origin of the table's units, metres
     float inv_scale = 1.0f;  ///< 1 / metres
-    float intensity = 1.0f;  ///< W/sr of the brightest light
+    float intensity = 1.0f;  ///< intensity of the brightest light, W/sr
 
     float3 position(float3 x) const noexcept { return (x - origin) * inv_scale; }
 };
@@ -50,16 +50,17 @@ struct LightTable {
     Frame frame;
     std::vector<LightRecord> records;
     std::vector<std::uint32_t> lit;  ///< indices of the lights of intensity > 0, ascending
-    bool has_glossy = false;         ///< among them
+    bool has_glossy = false;         ///< glossy points are among the lit lights
 };
 
 /// Throws Error that names the first light and field that is not as Light documents.
 LightTable make_light_table(Span<const Light> lights);
 
-/// The same for lights that take the place of `count` others. Throws Error for another number.
+/// Makes a table of lights that take the place of `count` others. Throws Error as
+/// make_light_table() does, and for another number.
 LightTable make_updated_light_table(Span<const Light> lights, std::size_t count);
 
-/// `reach` (RandomRanges) of one frame in the units of another: ranges stay as long in metres.
+/// The `reach` (RandomRanges) of one frame in the units of another: ranges stay as long in metres.
 float reach_in(const Frame& frame, float reach, const Frame& of_reach) noexcept;
 
 }  // namespace lightcull

@@ -13,10 +13,11 @@ struct OrderedLights {
     static constexpr std::uint32_t kNoRecord = 0xffffffffu;
 
     std::vector<LightRecord> records;
-    std::vector<std::uint32_t> lights;     ///< by record: index of the caller
-    std::vector<std::uint32_t> record_of;  ///< by light; kNoRecord for a light of intensity 0
+    std::vector<std::uint32_t> lights;     ///< the caller's index of a light, by record
+    std::vector<std::uint32_t> record_of;  ///< record of a light, by light; kNoRecord for a light
+                                           ///< of intensity 0
 
-    /// order: by record, index in table.lit.
+    /// order: index in table.lit, by record.
     OrderedLights(const LightTable& table, const std::vector<std::uint32_t>& order);
 
     std::size_t memory_size() const noexcept;

@@ -15,8 +15,8 @@ namespace lightcull {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Form is Receiver: the same one in all lanes; or ReceiverPacket: as many of it as there are
-/// lanes, from the i-th on.
+/// Receivers in the lanes of vectors. Form is Receiver: the same receiver in all lanes; or
+/// ReceiverPacket: as many of its receivers as there are lanes, from the i-th on.
 template <class D, class Form>
 struct ReceiverLanes {
     using V = hn::Vec<D>;

@@ -15,18 +15,18 @@ struct alignas(64) ReceiverPacket {
     float position[3][kSize];
     float normal[3][kSize];
     float from_all_sides[kSize], horizon[kSize];
-    // Of the glossy lobes; not read unless there are any.
+    // Members of the glossy lobes; not read unless there are any.
     float diffuse[kSize];
     float axis[3][kSize];
     float alpha2[kSize], peak[kSize];
 
-    float3 low, high;  ///< of a box around the positions
+    float3 low, high;  ///< corners of a box around the positions
     std::uint32_t set;
     bool has_lobes;
 
     explicit ReceiverPacket(std::uint32_t s) noexcept : set(s), has_lobes(false) {}
 
-    /// In the order of their places, each of which is to be filled.
+    /// Puts a receiver into place i. Places are filled in their order, and all of them.
     void put(std::size_t i, const Receiver& receiver) noexcept {
         low = i == 0 ? receiver.position : min(low, receiver.position);
         high = i == 0 ? receiver.position : max(high, receiver.position);

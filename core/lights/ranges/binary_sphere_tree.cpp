@@ -79,8 +79,9 @@ class RangeHeuristic {
     void close(Node&, const Node&, const Node&) const noexcept {}
 
   private:
-    /// From a distance d, far off, some light of a set is accepted with a probability of about
-    /// reach * intensity / d^2, so the root of that is the range of the set as a whole.
+    /// A measure of how often a set is visited. From a distance d, far off, some light of a set is
+    /// accepted with a probability of about reach * intensity / d^2, so the root of that is the
+    /// range of the set as a whole.
     double visits(const Extent& extent) const noexcept {
         const double radius = 0.5 * static_cast<double>(length(extent.high - extent.low));
         const double range = radius + std::sqrt(reach_ * extent.intensity);

@@ -2,13 +2,14 @@
 
 #include <cstdint>
 
-/// How the sets of random ranges are spread (design.md, "No banding"): sets lie in a square pattern
-/// of pixels, those of one draw are rotations of one another by rank / rotations, and neighbours in
-/// the pattern have ranks far apart.
+/// The pattern in which the sets of random ranges are spread (design.md, "No banding"): sets lie in
+/// a square pattern of pixels, the sets of one draw are rotations of one another by rank
+/// / rotations, and neighbours in the pattern have ranks far apart.
 
 namespace lightcull {
 
-/// set_count = 4^log4_sets lies in a square of 2^log4_sets pixels.
+/// The logarithm to the base of 4 of set_count = 4^log4_sets, whose sets lie in a square of
+/// 2^log4_sets pixels.
 constexpr std::uint32_t log4_of(std::uint32_t set_count) noexcept {
     std::uint32_t log4 = 0;
     while (set_count > 1) {
@@ -29,8 +30,8 @@ constexpr std::uint32_t bayer_rank(std::uint32_t x, std::uint32_t y,
     return rank;
 }
 
-/// Where the sets of a pass lie, and what each of them is: a rotation of a draw. The square of a
-/// draw's rotations is repeated, with another draw each time.
+/// A map of the places where the sets of a pass lie, and of what each of them is: a rotation of a
+/// draw. The square of a draw's rotations is repeated, with another draw each time.
 class SetPattern {
   public:
     /// set_count: a power of 4.
@@ -42,7 +43,8 @@ class SetPattern {
     constexpr std::uint32_t draws() const noexcept {
         return 1u << (2 * (log4_sets_ - log4_rotations_));
     }
-    /// Pixels along the edge of the square of a draw's rotations.
+    /// The logarithm to the base of 2 of the number of pixels along the edge of the square of a
+    /// draw's rotations.
     constexpr std::uint32_t log2_edge() const noexcept { return log4_rotations_; }
 
     /// The set at (x, y) of the pattern, which goes on beyond its edges.
@@ -62,7 +64,7 @@ class SetPattern {
         return ((y >> log4_rotations_) << (log4_sets_ - log4_rotations_)) | (x >> log4_rotations_);
     }
 
-    /// rank < rotations(), draw < draws().
+    /// The set of a rank < rotations() and a draw < draws().
     constexpr std::uint32_t set_of(std::uint32_t rank, std::uint32_t draw) const noexcept {
         std::uint32_t x = 0, y = 0;
         for (std::uint32_t bit = 0; bit < log4_rotations_; ++bit) {
@@ -78,7 +80,8 @@ class SetPattern {
     }
 
   private:
-    /// 256 rotations: more of one draw would not make up for lights whose numbers turn together.
+    /// At most 256 rotations of a draw: more would not make up for lights whose numbers turn
+    /// together.
     static constexpr std::uint32_t kMaxLog4Rotations = 4;
 
     std::uint32_t log4_sets_, log4_rotations_;

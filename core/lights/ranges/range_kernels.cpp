@@ -10,7 +10,7 @@
 
 namespace lightcull {
 
-// In range_kernels_scalar.cpp.
+// Defined in range_kernels_scalar.cpp.
 const RangeKernels& scalar_range_kernels() noexcept;
 
 namespace {

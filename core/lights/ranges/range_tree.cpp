@@ -9,7 +9,8 @@
 namespace lightcull {
 namespace {
 
-/// More than there are threads on most machines, so that all of them are kept busy.
+/// The number of parts of a refit: more than there are threads on most machines, so that all of
+/// them are kept busy.
 constexpr std::uint32_t kRefitParts = 64;
 
 }  // namespace
@@ -39,7 +40,8 @@ RangeTree::RangeTree(const RangeTree& other, std::uint64_t pass)
 
 void RangeTree::begin_pass(std::uint64_t pass) {
     const std::uint32_t sets = ranges_.set_count(), together = std::min(sets, Refit::kMaxSets);
-    std::vector<float> around(tree().nodes.size() * together);  // before anything is changed
+    std::vector<float> around(tree().nodes.size() * together);  // allocated before anything is
+                                                                // changed
     ranges_.begin_pass(pass);
     for (std::uint32_t set = 0; set < sets; set += together) refit(set, together, around.data());
 }

@@ -19,14 +19,14 @@ namespace lightcull {
 /// numbered by record, in the order of the tree's leaves.
 class LIGHTCULL_CORE_EXPORT RangeTree {
   public:
-    /// Has no ranges before the first begin_pass().
+    /// Makes a tree that has no ranges before the first begin_pass().
     RangeTree(Span<const RangedLight> lights, const RandomRanges& ranges);
 
-    /// The topology of another tree over lights that have changed, by record. Has no ranges before
-    /// the first begin_pass().
+    /// Makes a tree of the topology of another over lights that have changed, by record. It has no
+    /// ranges before the first begin_pass().
     RangeTree(const RangeTree& other, Span<const RangedLight> records, const RandomRanges& ranges);
 
-    /// The ranges of another pass over the same topology, which both share.
+    /// Makes a tree with the ranges of another pass over the same topology, which both share.
     RangeTree(const RangeTree& other, std::uint64_t pass);
 
     /// Draws all ranges of the pass and refits the tree. Runs in the caller's TBB arena.
@@ -37,7 +37,7 @@ class LIGHTCULL_CORE_EXPORT RangeTree {
     const RangedLight& record(std::uint32_t record) const noexcept {
         return tree().records[record];
     }
-    /// [node][slot]
+    /// The radii of a set: [node][slot].
     const float* radii(std::uint32_t set) const noexcept {
         return radii_.data() + set * tree().slot_count();
     }
@@ -50,12 +50,12 @@ class LIGHTCULL_CORE_EXPORT RangeTree {
         return traverse(tree(), radii(set), receiver, visit);
     }
 
-    /// Whether a range covers the point: to the bit what for_accepted() finds.
+    /// True if a range covers the point: to the bit what for_accepted() finds.
     bool accepts(std::uint32_t record, std::uint32_t set, const Approach& way) const noexcept {
         return ranges_.accepts(tree().records[record], way, ranges_.xi(record, set));
     }
 
-    /// 1 / p.
+    /// The inverse 1 / p along a way.
     float inverse_prob(std::uint32_t record, const Approach& way) const noexcept {
         const RangedLight& light = tree().records[record];
         return ranges_.inverse_prob(light.intensity, light.distance(way));
@@ -64,13 +64,13 @@ class LIGHTCULL_CORE_EXPORT RangeTree {
     std::size_t memory_size() const noexcept;
 
   private:
-    /// What does not change from pass to pass.
+    /// The part of the tree that does not change from pass to pass.
     struct Topology {
         SphereTree tree;
         RefitOrder refit_order;
     };
 
-    /// The radii of sets [first_set, first_set + set_count).
+    /// Computes the radii of sets [first_set, first_set + set_count).
     void refit(std::uint32_t first_set, std::uint32_t set_count, float* around);
 
     RandomRanges ranges_;

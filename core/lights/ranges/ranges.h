@@ -19,10 +19,10 @@ namespace lightcull {
 /// A light, or lights that share a range, as ranges see them: units of a LightTable.
 struct RangedLight {
     float3 center;
-    float radius;     ///< of a sphere that holds it
-    float intensity;  ///< of all of it
+    float radius;     ///< radius of a sphere that holds it
+    float intensity;  ///< intensity of all of it
 
-    /// From a point to that sphere; 0 inside.
+    /// The distance from a point to that sphere; 0 inside.
     float distance(const Approach& way) const noexcept {
         return std::max(way.distance - radius, 0.0f);
     }
@@ -30,10 +30,10 @@ struct RangedLight {
 static_assert(sizeof(RangedLight) == 20 && alignof(RangedLight) == 4);
 static_assert(offsetof(RangedLight, radius) == 12 && offsetof(RangedLight, intensity) == 16);
 
-/// What a light's range depends on.
+/// The law that a light's range follows.
 enum class RangeLaw {
-    kRandom,    ///< [TH16] Eq. 3
-    kConstant,  ///< xi is always 1: [TH16] appendix A
+    kRandom,    ///< random ranges: [TH16] Eq. 3
+    kConstant,  ///< constant ranges, with xi always 1: [TH16] appendix A
 };
 
 /// The random ranges of one pass: for each light and set a number xi, its range, and whether a
@@ -61,13 +61,13 @@ class RandomRanges {
     float reach() const noexcept { return reach_; }
     std::uint32_t set_count() const noexcept { return static_cast<std::uint32_t>(turns_.size()); }
 
-    // What xi() is made from, for other back ends.
+    // The numbers that xi() is made from, for other back ends.
     std::uint32_t key_low() const noexcept { return key_low_; }
     std::uint32_t key_high() const noexcept { return key_high_; }
-    /// What a set does with the numbers of a pass.
+    /// The way in which a set takes the numbers of a pass.
     struct Turn {
-        std::uint32_t rank;  ///< by how much it turns them, as a fraction of 2^32
-        std::uint32_t draw;  ///< which draw it turns, as a number to hash
+        std::uint32_t rank;  ///< rotation of the numbers, as a fraction of 2^32
+        std::uint32_t draw;  ///< draw that is rotated, as a number to hash
     };
     Span<const Turn> turns() const noexcept { return turns_; }
 
@@ -94,28 +94,28 @@ class RandomRanges {
         }
     }
 
-    /// The square of the range of a light of that intensity at xi = 1: 1 / alpha_i.
+    /// The square of the range of a light of that intensity at xi = 1, which is 1 / alpha_i.
     float limit(float intensity) const noexcept {
         return std::max(reach_ * intensity, kLeastLimit);
     }
 
-    /// Whether p_i > xi_i for the range that xi_i gives. The sphere tree tests its leaves by the
+    /// True if p_i > xi_i for the range that xi_i gives. The sphere tree tests its leaves by the
     /// same arithmetic.
     bool accepts(const RangedLight& light, const Approach& way, float xi) const noexcept {
         const float radius = range(light.intensity, xi) + light.radius;
         return way.distance2 <= radius * radius;
     }
 
-    /// 1 / p_i at a distance from the bounding sphere, 0 inside: [TH16] Eq. 1.
+    /// The inverse 1 / p_i at a distance from the bounding sphere, 0 inside: [TH16] Eq. 1.
     float inverse_prob(float intensity, float distance) const noexcept {
         return std::max(distance * distance * (1.0f / limit(intensity)), 1.0f);
     }
 
-    /// Has an inverse.
+    /// The least limit(), which has an inverse.
     static constexpr float kLeastLimit = 1e-36f;
 
   private:
-    /// xi before it is turned, as high * 2^-32 + low * 2^-56.
+    /// The digits of xi before it is turned, as high * 2^-32 + low * 2^-56.
     struct Digits {
         std::uint32_t high;
         float low;

@@ -10,11 +10,11 @@
 namespace lightcull {
 namespace {
 
-/// For a host that may never begin a second pass.
+/// The most sets that memory allows, for a host that may never begin a second pass.
 std::uint32_t most_sets_of(std::size_t ranges) noexcept {
     constexpr std::size_t kMostBytes = std::size_t{64} << 20;
     constexpr std::uint32_t kFewest = 64;
-    const std::size_t bytes_per_set = ranges * 5;  // radii, in nodes that are not quite full
+    const std::size_t bytes_per_set = ranges * 5;  // the radii, in nodes that are not quite full
     std::uint32_t sets = kMaxSetCount;
     while (sets > kFewest && sets * bytes_per_set > kMostBytes) sets /= 4;
     return sets;

@@ -8,7 +8,7 @@
 namespace lightcull {
 namespace {
 
-/// Digits to the base of 2 in reverse order: the numbers below 2^digits, any first few of them
+/// The digits to the base of 2 in reverse order: the numbers below 2^digits, any first few of them
 /// spread evenly.
 std::uint32_t reverse_bits(std::uint32_t number, std::uint32_t digits) noexcept {
     std::uint32_t reversed = 0;
@@ -25,7 +25,7 @@ std::uint32_t set_of_pixel(std::uint32_t x, std::uint32_t y, std::uint32_t set_c
 }
 
 std::uint32_t set_of_packet(std::uint32_t packet, std::uint32_t set_count) noexcept {
-    // Few sets, but spread over all rotations.
+    // The sets of later bounces are few, but spread over all rotations.
     constexpr std::uint32_t kSetsOfBounces = 16;
     const SetPattern pattern(set_count);
     const std::uint32_t used = std::min(pattern.rotations(), kSetsOfBounces);

@@ -34,16 +34,16 @@ static_assert(sizeof(SphereNode) == 160 && alignof(SphereNode) == 32);
 static_assert(offsetof(SphereNode, y) == 32 && offsetof(SphereNode, z) == 64 &&
               offsetof(SphereNode, link) == 96 && offsetof(SphereNode, bounds) == 128);
 
-/// Radius of an empty slot: no point is within it.
+/// The radius of an empty slot: no point is within it.
 inline constexpr float kNoRadius = -1.0f;
 
 /// The topology of a sphere tree over lights, or groups of them, one to a leaf: built once, the
 /// same for all sets and passes. Parents come before their children, and siblings lie side by side.
 struct SphereTree {
     std::vector<SphereNode> nodes;
-    std::vector<float3> centers;       ///< by node: of the slot above
-    std::vector<RangedLight> records;  ///< in the order of the leaves
-    std::vector<std::uint32_t> order;  ///< by record: index in what the tree was built over
+    std::vector<float3> centers;       ///< centre of the slot above, by node
+    std::vector<RangedLight> records;  ///< lights in the order of the leaves
+    std::vector<std::uint32_t> order;  ///< index in what the tree was built over, by record
 
     bool empty() const noexcept { return nodes.empty(); }
     std::size_t slot_count() const noexcept { return nodes.size() * SphereNode::kWidth; }
@@ -52,7 +52,7 @@ struct SphereTree {
         return size_of(nodes) + size_of(centers) + size_of(records) + size_of(order);
     }
 
-    /// No path from the root is longer, in nodes.
+    /// The length in nodes that no path from the root exceeds.
     static constexpr std::uint32_t kMaxDepth = 80;
 };
 
@@ -61,7 +61,7 @@ struct SphereTree {
 /// TBB arena; the result does not depend on it.
 SphereTree build_sphere_tree(Span<const RangedLight> lights, float reach);
 
-/// The same topology over lights that have changed, by record.
+/// Builds the same topology over lights that have changed, by record.
 SphereTree refit_sphere_tree(const SphereTree& tree, Span<const RangedLight> records, float reach);
 
 }  // namespace lightcull

@@ -44,7 +44,7 @@ class Emitter {
         return SphereNode::kLeaf | static_cast<std::uint32_t>(tree_.records.size() - 1);
     }
 
-    /// The node that stands for a binary one, and all below it.
+    /// Emits the node that stands for a binary one, and all below it.
     void emit(std::uint32_t node, std::uint32_t binary_node, std::uint32_t depth) {
         assert(depth <= SphereTree::kMaxDepth);
         const auto slots = wide_.children(binary_node);
@@ -65,8 +65,8 @@ class Emitter {
     SphereTree& tree_;
 };
 
-/// Centres and bounds of slots. The centre of an inner slot is the middle of the box around the
-/// spheres below it at a typical range.
+/// Places the centres and bounds of slots. The centre of an inner slot is the middle of the box
+/// around the spheres below it at a typical range.
 void place_at_typical_range(SphereTree& tree, float reach) {
     tree.centers.resize(tree.nodes.size());
     const auto light_sphere = [&](std::uint32_t record) -> EnclosingSphere {
@@ -77,7 +77,7 @@ void place_at_typical_range(SphereTree& tree, float reach) {
                                  const EnclosingSphere& around) {
         tree.centers[node] = around.center;
     };
-    constexpr float kNoMargin = 1.0f;  // a refit finds the radii that hold
+    constexpr float kNoMargin = 1.0f;  // no margin: a refit finds the radii that hold
     place_slots(tree.nodes, kNoMargin, light_sphere, keep_center);
 }
 

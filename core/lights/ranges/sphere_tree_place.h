@@ -14,7 +14,7 @@ namespace lightcull {
 
 /// Gives the slots of a sphere tree their centres and bounds, bottom up.
 ///
-/// leaf_sphere(record): what encloses a light. radius_margin: see enclose(). Then calls
+/// leaf_sphere(record): the sphere that encloses a light. radius_margin: see enclose(). Then calls
 /// on_node(index of the node, Span of what its slots enclose, what encloses all of them).
 template <typename LeafSphere, typename OnNode>
 void place_slots(std::vector<SphereNode>& nodes, float radius_margin, const LeafSphere& leaf_sphere,

@@ -18,9 +18,9 @@ namespace lightcull {
 namespace HWY_NAMESPACE {
 namespace refit {
 
-/// Radii of the nodes [begin, end), whose children are done or among them: for a leaf the light's
-/// own radius and its range; for an inner slot the smallest sphere that holds those below it.
-/// The compiler makes vectors of the loops over sets.
+/// Computes the radii of the nodes [begin, end), whose children are done or among them: for a leaf
+/// the light's own radius and its range; for an inner slot the smallest sphere that holds those
+/// below it. The compiler makes vectors of the loops over sets.
 template <std::size_t kSets>
 HWY_ATTR void refit_sets(const Refit& job, std::size_t begin, std::size_t end) {
     constexpr std::size_t kWidth = SphereNode::kWidth;

@@ -5,13 +5,13 @@
 namespace lightcull {
 namespace {
 
-/// Whatever is below a node is a run of nodes, its children first.
+/// Splits a tree into parts. The nodes below any node lie in one run, its children first.
 class Splitter {
   public:
     Splitter(const SphereTree& tree, std::uint32_t largest, RefitOrder& order)
         : tree_(tree), largest_(largest), order_(order) {}
 
-    /// What is below a node, if anything, and ends at `end`.
+    /// Splits the nodes below a node, if there are any; their run ends at `end`.
     void split_below(std::uint32_t node, std::uint32_t end) {
         const std::uint32_t begin = first_child(node);
         if (begin == SphereNode::kEmpty) return;
@@ -31,7 +31,7 @@ class Splitter {
     }
 
   private:
-    /// kEmpty if all are leaves.
+    /// The first child of a node; kEmpty if all are leaves.
     std::uint32_t first_child(std::uint32_t node) const noexcept {
         std::uint32_t first = SphereNode::kEmpty;
         for (const std::uint32_t link : tree_.nodes[node].link) {

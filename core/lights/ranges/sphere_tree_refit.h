@@ -13,14 +13,14 @@ namespace lightcull {
 struct Refit {
     const SphereTree& tree;
     const RandomRanges& ranges;
-    std::uint32_t first_set, set_count;  ///< set_count: 1, 4 or kMaxSets
-    float* radii;                        ///< of first_set: [set][node][slot]
-    float* around;                       ///< [node][set]: of a sphere around all of a node
+    std::uint32_t first_set, set_count;  ///< sets to refit; set_count: 1, 4 or kMaxSets
+    float* radii;                        ///< radii from first_set on: [set][node][slot]
+    float* around;                       ///< radii of spheres around all of a node: [node][set]
 
     static constexpr std::uint32_t kMaxSets = 16;
 };
 
-/// Parts of a tree that can be refitted side by side, and then what is above them.
+/// The parts of a tree that can be refitted side by side, and then the nodes above them.
 struct RefitOrder {
     struct Part {
         std::uint32_t begin, end;  ///< nodes
@@ -28,7 +28,7 @@ struct RefitOrder {
     std::vector<Part> side_by_side, afterwards;
 };
 
-/// For about `part_count` parts.
+/// Makes an order of about `part_count` parts.
 RefitOrder make_refit_order(const SphereTree& tree, std::uint32_t part_count);
 
 }  // namespace lightcull

@@ -16,11 +16,12 @@ namespace HWY_NAMESPACE {
 namespace walk {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// A node is skipped where it lies this many times the horizon of lights low: rounding allowed for.
+/// A node is skipped where it lies lower than this multiple of the horizon of lights, which allows
+/// for rounding.
 constexpr float kHorizonOfNodes = 2.0f;
 
-/// Where the point is within the spheres of a vector of slots, and what they hold is not below the
-/// point's horizon.
+/// A mask of the slots of a vector in whose spheres the point is, and which hold something that is
+/// not below the point's horizon.
 template <class D>
 HWY_ATTR HWY_INLINE hn::Mask<D> concerns(D d, const SphereNode& node, const float* radii,
                                          std::size_t slot, const Receiver& receiver) {
@@ -29,7 +30,7 @@ HWY_ATTR HWY_INLINE hn::Mask<D> concerns(D d, const SphereNode& node, const floa
     const auto dz = hn::Sub(hn::Load(d, node.z + slot), hn::Set(d, receiver.position.z));
     const auto distance2 = hn::Add(hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)), hn::Mul(dz, dz));
     const auto r = hn::LoadU(d, radii + slot);
-    // r |r|: the radius of an empty slot is negative.
+    // The square is r |r|: the radius of an empty slot is negative.
     const auto within = hn::Le(distance2, hn::Mul(r, hn::Abs(r)));
     const auto height = hn::Add(hn::Add(hn::Mul(dx, hn::Set(d, receiver.normal.x)),
                                         hn::Mul(dy, hn::Set(d, receiver.normal.y))),
@@ -52,7 +53,7 @@ HWY_ATTR inline void find_leaves(const SphereTree& tree, const float* radii,
         const float* node_radii = radii + std::size_t{n} * kWidth;
         std::uint32_t* children = walk.new_nodes();
         std::uint32_t child_count = 0;
-        // Without a branch for each slot: which of them hold the point cannot be predicted.
+        // The loop has no branch for each slot: which of them hold the point cannot be predicted.
         for (std::size_t slot = 0; slot < kWidth; slot += hn::Lanes(d)) {
             const auto link = hn::Load(du, node.link + slot);
             const auto inside = hn::RebindMask(du, concerns(d, node, node_radii, slot, receiver));

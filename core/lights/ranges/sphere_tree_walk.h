@@ -7,10 +7,10 @@
 
 namespace lightcull {
 
-/// Where a traversal stands: nodes that are still to be read. The one found first is read next, so
-/// that none waits for what was just computed; in a tree of more nodes than there is room for, the
-/// one found last. Either way the order is the tree's: whatever else is visited, two leaves are
-/// found in the same one.
+/// The state of a traversal: nodes that are still to be read. The node found first is read next, so
+/// that none waits for what was just computed; in a tree of more nodes than there is room for, it
+/// is the node found last. Either way the order is the tree's: whatever else is visited, two leaves
+/// are found in the same order.
 class TreeWalk {
   public:
     static bool is_first_in_first_out(const SphereTree& tree) noexcept {
@@ -29,18 +29,19 @@ class TreeWalk {
         return nodes_[first_in_first_out_ ? begin_++ : --end_];
     }
 
-    /// Where to write what is found, up to SphereNode::kWidth nodes.
+    /// The place to write the nodes that are found, up to SphereNode::kWidth.
     std::uint32_t* new_nodes() noexcept { return nodes_ + end_; }
-    /// After `count` of them were written.
+    /// Takes in the `count` nodes that were written.
     void add(std::uint32_t count) noexcept {
         end_ += count;
         assert(end_ <= kRoom);
     }
 
   private:
-    /// 64 KiB on the stack, of which little is touched; last in, first out takes twice the time.
+    /// Room for nodes: 64 KiB on the stack, of which little is touched; last in, first out takes
+    /// twice the time.
     static constexpr std::uint32_t kRoom = 16384;
-    /// Depth first, all but one of the children of each node on the way down may wait.
+    /// In depth-first order, all but one of the children of each node on the way down may wait.
     static_assert(kRoom > SphereTree::kMaxDepth * (SphereNode::kWidth - 1));
 
     bool first_in_first_out_;
@@ -54,7 +55,7 @@ struct FoundLeaves {
 
     std::uint32_t records[kCapacity];
     std::uint32_t count = 0;
-    std::uint32_t nodes_visited = 0;  ///< by all calls together
+    std::uint32_t nodes_visited = 0;  ///< nodes that all calls together have read
 
     Span<const std::uint32_t> all() const noexcept { return {records, count}; }
 };

@@ -21,7 +21,7 @@ bool is_zero(float3 v) noexcept {
     return v.x == 0.0f && v.y == 0.0f && v.z == 0.0f;
 }
 
-/// What is wrong with a point, or nullptr.
+/// The fault of a point, or nullptr.
 const char* fault_of(const ShadingPoint& point, std::uint32_t set_count) noexcept {
     if (!is_finite(point.position)) return "position is not finite";
     if (!is_finite(point.normal)) return "normal is not finite";
@@ -47,12 +47,12 @@ const char* fault_of(const ShadingPoint& point, std::uint32_t set_count) noexcep
     std::abort();
 }
 
-/// What checked samplers and their passes have in common.
+/// The checks that checked samplers and their passes have in common.
 struct Checks {
     std::size_t light_count;
     FaultHandler on_fault;
 
-    /// Whether a call may go on. `what` and `fault`: null if nothing is wrong.
+    /// True if a call may go on. `what` and `fault`: null if nothing is wrong.
     bool passes(const char* call, const char* fault, std::size_t index) const {
         if (fault == nullptr) return true;
         on_fault(std::string(call) + ": point " + std::to_string(index) + ": " + fault);

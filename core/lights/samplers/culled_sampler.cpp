@@ -105,7 +105,7 @@ class CulledSampler final : public CulledSamplerBase, public SamplerInfo {
         return result(descent, receipt_of(point.set, choice, x));
     }
 
-    /// Sixteen points at a time, of one set and near each other.
+    /// Selects for sixteen points at a time, of one set and near each other.
     void select(Span<const ShadingPoint> points, Span<const float> u,
                 Span<Selection> selections) const override {
         const std::vector<std::uint32_t> order = order_points(points, set_count());
@@ -117,8 +117,9 @@ class CulledSampler final : public CulledSamplerBase, public SamplerInfo {
         });
     }
 
-    /// That of the group is g / W', with W' = W if it was accepted, else W + w (design.md, "MIS"),
-    /// unless no other was accepted; times that of the light within it.
+    /// The probability of the group is g / W', with W' = W if it was accepted, else W + w
+    /// (design.md, "MIS"), unless no other was accepted; it is multiplied by that of the light
+    /// within the group.
     float prob(const ShadingPoint& point, const Receipt& receipt,
                std::uint32_t light) const noexcept override {
         const std::uint32_t index = groups_->group_of[light];
@@ -162,7 +163,7 @@ class CulledSampler final : public CulledSamplerBase, public SamplerInfo {
 
     static bool is_alone(const Receipt& receipt) noexcept { return receipt.weight_sum < 0.0f; }
 
-    /// Of a light in a group of that probability.
+    /// The probability of a light in a group of that probability.
     float prob_of_light(const Receiver& x, const LightGroup& group, std::uint32_t light,
                         double prob_of_group) const noexcept {
         const bool alone = (group.child[0] & LightBvhNode::kLight) != 0;
@@ -172,7 +173,7 @@ class CulledSampler final : public CulledSamplerBase, public SamplerInfo {
             light_bvh_kernels<MeansNode>().prob_of_slot(groups_->bvh, x, slot, prob_of_group));
     }
 
-    /// Of a light where no group is accepted, or its own alone.
+    /// The probability of a light where no group is accepted, or its own alone.
     float prob_without_others(const Receiver& x, std::uint32_t index,
                               std::uint32_t light) const noexcept {
         const LightGroup& group = groups_->groups[index];
@@ -202,15 +203,15 @@ class CulledSampler final : public CulledSamplerBase, public SamplerInfo {
         }
     }
 
-    /// With the weight of a group that was accepted alone negative, unless its p is 1, which makes
-    /// no difference.
+    /// The receipt of a choice. The weight of a group that was accepted alone is negative in it,
+    /// unless its p is 1, which makes no difference.
     Receipt receipt_of(std::uint32_t set, const GroupChoice& choice,
                        const Receiver& x) const noexcept {
         const bool alone = may_be_alone(choice, x) && accepted_count(x, set) == 1;
         return {alone ? -choice.weight_sum : choice.weight_sum, set};
     }
 
-    /// Whether the weight of the chosen group is the sum of all. Others may have been accepted and
+    /// True if the weight of the chosen group is the sum of all. Others may have been accepted and
     /// yet be too light to change it.
     bool may_be_alone(const GroupChoice& choice, const Receiver& x) const noexcept {
         const float g = choice.numerator, sum = choice.weight_sum;
@@ -244,7 +245,8 @@ class CulledSampler final : public CulledSamplerBase, public SamplerInfo {
         return {light, prob, prob, receipt};
     }
 
-    /// As many of the points that `order` names as go into one packet; their number.
+    /// Puts as many of the points that `order` names as fit into one packet, selects for them, and
+    /// returns their number.
     std::size_t select_some(Span<const std::uint32_t> order, Span<const ShadingPoint> points,
                             Span<const float> u, Span<Selection> selections) const noexcept {
         const std::uint32_t set = points[order[0]].set;
@@ -259,7 +261,8 @@ class CulledSampler final : public CulledSamplerBase, public SamplerInfo {
             receivers.put(count, descents[count].receiver);
             random.u_bits[count++] = float_bits(u[i]);
         }
-        for (std::size_t i = count; i < ReceiverPacket::kSize; ++i) {  // to fill it
+        for (std::size_t i = count; i < ReceiverPacket::kSize; ++i) {  // repeats the last point to
+                                                                       // fill the packet
             receivers.put(i, descents[0].receiver);
             random.u_bits[i] = random.u_bits[0];
         }
@@ -280,7 +283,7 @@ class CulledSampler final : public CulledSamplerBase, public SamplerInfo {
         return count;
     }
 
-    /// Of the points of the next packet what this one will read and write.
+    /// Prefetches, for the points of the next packet, the memory that it will read and write.
     static void prefetch(Span<const std::uint32_t> order, Span<const ShadingPoint> points,
                          Span<const float> u, Span<Selection> selections) noexcept {
         for (const std::uint32_t i : order) {
@@ -295,7 +298,7 @@ class CulledSampler final : public CulledSamplerBase, public SamplerInfo {
     std::shared_ptr<const LightGroups> groups_;
     RangeTree tree_;
     std::uint32_t group_size_;
-    double built_looseness_;  ///< of the BVH, when it was last built
+    double built_looseness_;  ///< looseness of the BVH, when it was last built
 };
 
 }  // namespace

@@ -9,17 +9,17 @@
 
 namespace lightcull {
 
-/// What `culled` chooses from.
+/// The tree and the groups from which `culled` chooses.
 struct CulledScene {
     const Frame& frame;
     const LightGroups& groups;
-    const RangeTree& tree;  ///< over the groups
+    const RangeTree& tree;  ///< ranges over the groups
 };
 
-/// `culled`, for back ends that choose as it does.
+/// The sampler `culled`, for back ends that choose as it does.
 class LIGHTCULL_CORE_EXPORT CulledSamplerBase : public LightSampler {
   public:
-    /// Lives as long as the sampler. Passes change the ranges of the tree.
+    /// The scene lives as long as the sampler. Passes change the ranges of the tree.
     virtual CulledScene scene() const noexcept = 0;
 };
 

@@ -69,8 +69,8 @@ class LightBvhSampler final : public PasslessSampler<LightBvhSampler<Node>> {
         return result;
     }
 
-    /// Of the selection with u = 0.5. All children of the nodes on its way are tested; those that
-    /// are lights and have an importance above 0 are accepted.
+    /// Counts the work of the selection with u = 0.5. All children of the nodes on its way are
+    /// tested; the children that are lights and have an importance above 0 are accepted.
     SelectionCounts count(const ShadingPoint& point) const noexcept override {
         SelectionCounts counts;
         if (bvh_->nodes.empty()) return counts;
@@ -90,7 +90,8 @@ class LightBvhSampler final : public PasslessSampler<LightBvhSampler<Node>> {
     }
 
   private:
-    /// At most kMaxDescents points, in turn, so that one waits for memory while others compute.
+    /// Selects for at most kMaxDescents points, in turn, so that one waits for memory while others
+    /// compute.
     void select_some(Span<const ShadingPoint> points, const float* u,
                      Selection* selections) const noexcept {
         std::array<LightBvhDescent, kMaxDescents> descents;

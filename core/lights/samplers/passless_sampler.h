@@ -8,7 +8,7 @@
 
 namespace lightcull {
 
-/// Base of a Sampler that chooses alike in every pass. Its copies share what it is made of.
+/// The base of a Sampler that chooses alike in every pass. Its copies share what it is made of.
 template <typename Sampler>
 class PasslessSampler : public LightSampler, public SamplerInfo {
   public:

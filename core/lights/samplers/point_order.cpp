@@ -19,7 +19,7 @@ struct Box {
     float3 low, high;
 };
 
-/// Around some 256 points, or one in sixteen where that is more: packets are no worse for it,
+/// A box around some 256 points, or one in sixteen where that is more: packets are no worse for it,
 /// and memory is read for those alone.
 Box box_of_sample(Span<const ShadingPoint> points) noexcept {
     constexpr std::size_t kEnough = 256, kMaxStep = 16;
@@ -39,15 +39,16 @@ class MortonCurve {
         const float longest = std::max({extent.x, extent.y, extent.z});
         scale_ = longest > 0.0f ? 1023.0f / longest : 0.0f;
     }
-    /// Below 2^20: finer cells would only make the sorting longer.
+    /// The place of a point on the curve, below 2^20: finer cells would only make the sorting
+    /// longer.
     std::uint32_t place(float3 x) const noexcept {
         const float3 at = (x - low_) * scale_;
         return morton_code(digits(at.x), digits(at.y), digits(at.z)) >> 10;
     }
 
   private:
-    /// Clamped, for the box is that of a sample, and 0 for what is no number: an extent may be too
-    /// large for a float.
+    /// The digits of a coordinate. They are clamped, for the box is that of a sample, and 0 for
+    /// what is no number: an extent may be too large for a float.
     static std::uint32_t digits(float at) noexcept {
         return at > 0.0f ? static_cast<std::uint32_t>(std::min(at, 1023.0f)) : 0;
     }
@@ -58,7 +59,7 @@ class MortonCurve {
 
 constexpr std::size_t kBlock = 4096;
 
-/// Place and set of each point, in the upper and the lower half.
+/// The place and the set of each point, in the upper and the lower half.
 std::vector<std::uint64_t> places_and_sets(Span<const ShadingPoint> points) {
     const MortonCurve curve(box_of_sample(points));
     std::vector<std::uint64_t> keys(points.size());
@@ -74,12 +75,12 @@ std::uint32_t lower_half(std::uint64_t key) noexcept {
     return static_cast<std::uint32_t>(key);
 }
 
-/// Of a list of keys.
+/// A run of a list of keys.
 struct Run {
     std::uint32_t begin, end;
 };
 
-/// The points of each set that has any, as places and indices; `keys` has places and sets.
+/// Groups the points of each set that has any, as places and indices; `keys` has places and sets.
 std::vector<std::uint64_t> group_by_set(Span<const std::uint64_t> keys, std::uint32_t set_count,
                                         std::vector<Run>& sets) {
     std::vector<std::uint32_t> next(set_count);
@@ -97,7 +98,7 @@ std::vector<std::uint64_t> group_by_set(Span<const std::uint64_t> keys, std::uin
     return grouped;
 }
 
-/// The lower halves of `keys`, a few of each run in turn.
+/// Takes the lower halves of `keys`, a few of each run in turn.
 std::vector<std::uint32_t> take_turns(Span<const std::uint64_t> keys, std::vector<Run> runs) {
     constexpr std::uint32_t kAtATime = 16;
     std::vector<std::uint32_t> order;

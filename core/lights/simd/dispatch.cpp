@@ -12,8 +12,9 @@
 namespace lightcull {
 namespace {
 
-/// hwy::SupportedTargets() also makes Highway's choice for the process anew, whatever others chose
-/// or disabled. This puts it back. Highway has no function that tells all of a choice.
+/// Keeps Highway's choice for the process. hwy::SupportedTargets() also makes that choice anew,
+/// whatever others chose or disabled; this puts it back. Highway has no function that tells all of
+/// a choice.
 class KeepChosenTarget {
   public:
     KeepChosenTarget() noexcept : mask_(mask().load()) {}
@@ -23,7 +24,7 @@ class KeepChosenTarget {
 
   private:
     using Mask = std::atomic<std::int64_t>;
-    // So that its only member lies where it does.
+    // hwy::ChosenTarget has standard layout, so that its only member lies where the object does.
     static_assert(std::is_standard_layout_v<hwy::ChosenTarget> &&
                   sizeof(hwy::ChosenTarget) == sizeof(Mask));
 
@@ -34,7 +35,7 @@ class KeepChosenTarget {
 
 struct InstructionSet {
     std::string name;
-    std::size_t index;  ///< as of dispatch_index()
+    std::size_t index;  ///< index in tables, as dispatch_index() gives it
 };
 
 std::size_t index_of(std::int64_t target) noexcept {
@@ -46,7 +47,7 @@ std::size_t index_of(std::int64_t target) noexcept {
 std::vector<InstructionSet> find_instruction_sets() {
     const KeepChosenTarget keep;
     std::vector<std::int64_t> targets = hwy::SupportedAndGeneratedTargets();
-    std::sort(targets.begin(), targets.end());  // better ones have lower bits
+    std::sort(targets.begin(), targets.end());  // better targets have lower bits
     std::vector<InstructionSet> all;
     for (const std::int64_t target : targets) {
         if (target == HWY_SCALAR || target == HWY_EMU128) continue;
@@ -56,7 +57,7 @@ std::vector<InstructionSet> find_instruction_sets() {
     return all;
 }
 
-/// Best first.
+/// All instruction sets, best first.
 const std::vector<InstructionSet>& all_instruction_sets() {
     static const std::vector<InstructionSet> all = find_instruction_sets();
     return all;

@@ -10,12 +10,12 @@ namespace lightcull {
 /// Highway in it.
 
 /// The place of the instruction set in use in the tables that HWY_EXPORT makes. The first place of
-/// those holds what makes Highway's own choice; here it stands for the scalar kernels.
+/// those tables holds what makes Highway's own choice; here it stands for the scalar kernels.
 std::size_t dispatch_index() noexcept;
 inline constexpr std::size_t kScalarIndex = 0;
 
-/// The kernels in use of a room. table: what HWY_EXPORT makes of a function that returns them;
-/// where the compiler's options leave one instruction set alone, that is all it has.
+/// The kernels of a room that are in use. table: made by HWY_EXPORT of a function that returns
+/// them; where the compiler's options leave one instruction set alone, that is all it has.
 template <typename Kernels, std::size_t kSize>
 const Kernels& kernels_in_use(const Kernels& (*const (&table)[kSize])(),
                               const Kernels& (&scalar)()) noexcept {

@@ -8,7 +8,7 @@
 namespace lightcull {
 namespace {
 
-/// Makes what the options that it is called with stand for.
+/// Makes the sampler that the options stand for with which it is called.
 struct Maker {
     Span<const Light> lights;
     const SamplerContext& context;

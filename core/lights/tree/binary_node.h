@@ -8,7 +8,7 @@ namespace lightcull {
 /// order: the left child of inner node i is i + 1. There are 2 n - 1 of them over n lights.
 struct BinaryNode {
     std::uint32_t right = kLeaf;  ///< index of the right child, or kLeaf
-    std::uint32_t light = 0;      ///< of a leaf: index of the caller
+    std::uint32_t light = 0;      ///< the caller's index of the light of a leaf
 
     static constexpr std::uint32_t kLeaf = 0;
 

@@ -46,8 +46,8 @@ class BinnedTree {
 
     static constexpr std::uint32_t kMaxBins = 16;
 
-    /// The nodes, none over no items, of which there may be 2^31. Runs in the caller's TBB arena;
-    /// the result does not depend on it.
+    /// Builds the nodes, none over no items, of which there may be 2^31. Runs in the caller's TBB
+    /// arena; the result does not depend on it.
     static std::vector<Node> build(const Heuristic& heuristic, std::vector<Item> items) {
         if (items.empty()) return {};
         const auto count = static_cast<std::uint32_t>(items.size());
@@ -66,14 +66,14 @@ class BinnedTree {
     static constexpr std::uint32_t kHalvedDepth = Heuristic::kMaxDepth - 32;
     static_assert(Heuristic::kMaxDepth >= 32);
 
-    /// Where items fall along one dimension.
+    /// A ruler that tells where items fall along one dimension.
     struct Ruler {
         std::size_t dimension = 0;
         std::uint32_t bins = 0;
         float low = 0.0f, inv_width = 0.0f;
 
         std::uint32_t bin(const Item& item) const noexcept {
-            // 0 also for what is no number: an extent may be too large for a float.
+            // The bin is 0 also for what is no number: an extent may be too large for a float.
             const float place = (item.at(dimension) - low) * inv_width;
             return place > 0.0f
                        ? static_cast<std::uint32_t>(std::min(place, static_cast<float>(bins - 1)))
@@ -83,7 +83,7 @@ class BinnedTree {
 
     struct Split {
         Ruler ruler;
-        std::uint32_t last = 0;  ///< bin of the first part
+        std::uint32_t last = 0;  ///< last bin of the first part
         Cost cost = std::numeric_limits<Cost>::max();
 
         bool found() const noexcept { return ruler.bins > 0; }
@@ -92,7 +92,7 @@ class BinnedTree {
     BinnedTree(const Heuristic& heuristic, std::vector<Item>& items, std::vector<Node>& nodes)
         : heuristic_(heuristic), items_(items), nodes_(nodes) {}
 
-    /// items_[begin, end) become the subtree at `node`.
+    /// Turns items_[begin, end) into the subtree at `node`.
     void build_below(std::uint32_t node, std::uint32_t begin, std::uint32_t end,
                      std::uint32_t depth) {
         const std::uint32_t count = end - begin;
@@ -159,7 +159,7 @@ class BinnedTree {
         std::array<Extent, kMaxBins> bins;
         for (const Item& item : items) bins[ruler.bin(item)].add(heuristic_.extent(item));
 
-        std::array<Cost, kMaxBins> cost_above{};  // of what lies in higher bins
+        std::array<Cost, kMaxBins> cost_above{};  // cost of what lies in higher bins
         Extent above;
         Cost cost_so_far = 0;
         for (std::size_t b = ruler.bins; b-- > 1;) {

@@ -16,12 +16,13 @@ struct EnclosingSphere {
     float bounds = 0.0f;  ///< radius of the sphere about the lights
 };
 
-/// A radius grown by it holds what a sum and a distance, which are rounded, say that it holds.
+/// A factor that makes a radius hold what a sum and a distance, which are rounded, say that it
+/// holds.
 inline constexpr float kSphereRoundUp = 1.0f + 1e-6f;
 
-/// What encloses spheres, of which there is one at least, about the middle of the box around them.
-/// `bounds` is rounded up; the radius grows by `radius_margin`, 1 where it need not hold all to the
-/// last digit.
+/// The sphere that encloses spheres, of which there is one at least, about the middle of the box
+/// around them. `bounds` is rounded up; the radius grows by `radius_margin`, 1 where it need not
+/// hold all to the last digit.
 inline EnclosingSphere enclose(Span<const EnclosingSphere> spheres, float radius_margin) noexcept {
     float3 low{1e30f, 1e30f, 1e30f}, high{-1e30f, -1e30f, -1e30f};
     for (const EnclosingSphere& sphere : spheres) {

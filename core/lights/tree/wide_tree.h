@@ -17,7 +17,7 @@ namespace lightcull {
 template <typename Node, std::size_t kWidth>
 class WideTree {
   public:
-    /// Binary nodes, from left to right.
+    /// The binary nodes that become children, from left to right.
     class Children {
       public:
         const std::uint32_t* begin() const noexcept { return nodes_.data(); }
@@ -32,7 +32,8 @@ class WideTree {
         std::uint32_t size_ = 0;
     };
 
-    /// cost(node): of a wide node that stands for an inner node of the binary tree, a float.
+    /// Plans the wide tree. cost(node): cost of a wide node that stands for an inner node of the
+    /// binary tree, a float.
     template <typename Cost>
     WideTree(const std::vector<Node>& binary, const Cost& cost)
         : binary_(binary), plans_(binary.size()) {
@@ -42,7 +43,7 @@ class WideTree {
         }
     }
 
-    /// The binary nodes that become children of the wide node that stands for `node`; of a leaf,
+    /// The binary nodes that become children of the wide node that stands for `node`; for a leaf,
     /// the leaf itself.
     Children children(std::uint32_t node) const noexcept {
         Children result;
@@ -50,7 +51,7 @@ class WideTree {
             result.push_back(node);
             return result;
         }
-        std::array<Part, kWidth> pending;  // the leftmost last
+        std::array<Part, kWidth> pending;  // the leftmost part is last
         std::size_t size = 0;
         const auto open = [&](std::uint32_t parent, std::size_t left, std::size_t count) {
             pending[size++] = {binary_[parent].right, count - left};
@@ -70,12 +71,14 @@ class WideTree {
     }
 
   private:
-    /// How a subtree is best spread over children of one wide node; all 0 for a leaf.
+    /// A plan of how a subtree is best spread over children of one wide node; all 0 for a leaf.
     struct Plan {
-        std::array<float, kWidth> cost{};         ///< [k]: over at most k + 1 children
-        std::array<std::uint8_t, kWidth> left{};  ///< [k]: how many of them go to the left subtree;
-                                                  ///< 0: the subtree becomes one child
-        std::uint8_t left_of_node = 0;            ///< of kWidth children of a node of its own
+        std::array<float, kWidth> cost{};         ///< cost over at most k + 1 children: [k]
+        std::array<std::uint8_t, kWidth> left{};  ///< number of those children that go to the left
+                                                  ///< subtree: [k]; 0: the subtree becomes one
+                                                  ///< child
+        std::uint8_t left_of_node = 0;            ///< number of kWidth children of a node of its
+                                                  ///< own that go to the left subtree
     };
 
     /// A subtree that is spread over `count` children.
