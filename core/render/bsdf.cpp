@@ -48,7 +48,7 @@ float Bsdf::diffuse_part() const noexcept {
 
 GlossyLobe Bsdf::glossy_part() const noexcept {
     if (specular_prob_ == 0.0f) return {};
-    // evaluate() in the mirror direction, where the half vector is the normal.
+    // This is evaluate() in the mirror direction, where the half vector is the normal.
     const float masking = masking_over_two_cosines(outgoing_.z, alpha_);
     const float peak = ggx(0.0f, 1.0f, alpha_) * masking * masking * outgoing_.z;
     const V3f mirrored(-outgoing_.x, -outgoing_.y, outgoing_.z);
@@ -69,7 +69,7 @@ BsdfValue Bsdf::evaluate_local(const V3f& incoming) const noexcept {
     const float density = ggx(half.x * half.x + half.y * half.y, half.z * half.z, alpha_);
     const float view = masking_over_two_cosines(outgoing_.z, alpha_);
     const float light = masking_over_two_cosines(cosine, alpha_);
-    // Visible normals: D G1(view) / (4 outgoing.z), and G1 = 2 outgoing.z * view.
+    // The density of visible normals is D G1(view) / (4 outgoing.z), and G1 = 2 outgoing.z * view.
     const float specular_pdf = 0.5f * density * view;
     return {diffuse_ * (V3f(1.0f) - reflected) * (kInvPi * cosine) +
                 reflected * (density * view * light * cosine),

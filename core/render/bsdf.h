@@ -18,18 +18,18 @@ struct BsdfValue {
 };
 
 struct BsdfSample {
-    V3f direction{0.0f};  ///< unit length
+    V3f direction{0.0f};  ///< sampled direction, unit length
     V3f weight{0.0f};     ///< value / pdf
-    float pdf = 0.0f;     ///< 0: absorbed
+    float pdf = 0.0f;     ///< density, as in BsdfValue; 0: absorbed
 };
 
 /// How a surface point scatters light that leaves it towards `outgoing`.
 ///
-/// Diffuse: base_color / pi. Metallic-roughness: glTF 2.0, appendix B: with F Schlick's Fresnel
-/// term at the half vector, (1 - F) (1 - metallic) base_color / pi + F D V, where D is GGX and V
-/// Smith's masking-shadowing in its separable form, the one that the appendix prints. Both are
-/// sampled by one mixture: cosine-weighted, and visible normals (Heitz 2018, "Sampling the GGX
-/// Distribution of Visible Normals").
+/// Diffuse surfaces: base_color / pi. Metallic-roughness surfaces: glTF 2.0, appendix B: with F
+/// Schlick's Fresnel term at the half vector, (1 - F) (1 - metallic) base_color / pi + F D V, where
+/// D is GGX and V Smith's masking-shadowing in its separable form, the form that the appendix
+/// prints. Both are sampled by one mixture: cosine-weighted, and visible normals (Heitz 2018,
+/// "Sampling the GGX Distribution of Visible Normals").
 class LIGHTCULL_CORE_EXPORT Bsdf {
   public:
     Bsdf() = default;
@@ -39,7 +39,8 @@ class LIGHTCULL_CORE_EXPORT Bsdf {
     static Bsdf metallic_roughness(const V3f& normal, const V3f& outgoing, const V3f& base_color,
                                    float metallic, float roughness) noexcept;
 
-    /// incoming: unit length, towards where light comes from. 0 below the shading normal.
+    /// incoming: unit length, towards where light comes from. The value is 0 below the shading
+    /// normal.
     BsdfValue evaluate(const V3f& incoming) const noexcept;
 
     /// lobe in [0, 1), u in [0, 1)^2.
@@ -47,15 +48,15 @@ class LIGHTCULL_CORE_EXPORT Bsdf {
 
     const V3f& normal() const noexcept { return frame_.normal; }
 
-    /// What it is made of: the albedo under the specular layer, and of that layer the reflectance
-    /// at normal incidence and alpha, where there is one.
+    /// The numbers that a BSDF is made of: the albedo under the specular layer, and the reflectance
+    /// at normal incidence and alpha of that layer, where there is one.
     const V3f& diffuse_albedo() const noexcept { return diffuse_; }
     const V3f& f0() const noexcept { return f0_; }
     float alpha() const noexcept { return alpha_; }
     bool is_specular() const noexcept { return specular_prob_ > 0.0f; }
 
-    /// The two parts of it as a light sampler takes them (ShadingPoint::diffuse and lobe), 1/sr by
-    /// luminance.
+    /// The two parts of the BSDF as a light sampler takes them (ShadingPoint::diffuse and lobe),
+    /// 1/sr by luminance.
     float diffuse_part() const noexcept;
     GlossyLobe glossy_part() const noexcept;
 
@@ -65,11 +66,11 @@ class LIGHTCULL_CORE_EXPORT Bsdf {
     V3f fresnel(float cosine) const noexcept;
 
     Basis frame_;
-    V3f outgoing_{0.0f};  // in the frame
-    V3f diffuse_{0.0f};   // albedo
+    V3f outgoing_{0.0f};  // in the basis of the normal
+    V3f diffuse_{0.0f};   // diffuse albedo
     V3f f0_{0.0f};        // reflectance at normal incidence
     float alpha_ = 1.0f;
-    float specular_prob_ = 0.0f;  // 0: no specular lobe
+    float specular_prob_ = 0.0f;  // 0: there is no specular lobe
 };
 
 }  // namespace lightcull

@@ -21,7 +21,7 @@ class LIGHTCULL_CORE_EXPORT CameraRays {
     /// uniform numbers that choose a place on the lens.
     Ray ray(const V2f& place, const V2f& lens) const noexcept;
 
-    /// How far a vector leads to the right, up, and forward.
+    /// The components of a vector to the right, up, and forward.
     V3f to_view(const V3f& v) const noexcept;
     /// The middle of the lens.
     const V3f& origin() const noexcept { return origin_; }

@@ -16,19 +16,19 @@ namespace lightcull::check {
 void finite(std::string_view what, float value);
 void finite(std::string_view what, float2 value);
 void finite(std::string_view what, float3 value);
-/// Finite, and no farther out than what Embree and squared distances bear.
+/// True if `value` is finite, and no farther out than what Embree and squared distances bear.
 bool is_position(float3 value) noexcept;
 void position(std::string_view what, float3 value);
-/// A colour or an intensity: finite and >= 0.
+/// Checks a colour or an intensity: finite and >= 0.
 void radiometric(std::string_view what, float3 value);
 void in_unit_range(std::string_view what, float value);
-/// Index `i` into `count` things called `kind`.
+/// Checks an index `i` into `count` things called `kind`.
 void index(std::string_view what, std::size_t i, std::size_t count, std::string_view kind);
 
 void texture(std::string_view what, const Texture& texture);
 void camera(const Camera& camera);
 
-/// "field[i]"
+/// The text "field[i]".
 std::string element(std::string_view field, std::size_t i);
 
 }  // namespace lightcull::check

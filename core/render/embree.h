@@ -1,6 +1,6 @@
 #pragma once
 
-/// Embree 3 and 4 behind one face: the only file that knows which it is.
+/// Embree 3 and 4 behind one face: this is the only file that knows which it is.
 
 #if LIGHTCULL_EMBREE_VERSION == 4
 #include <embree4/rtcore.h>
@@ -27,7 +27,7 @@ inline void intersect16(const int* valid, RTCScene scene, RTCRayHit16& rays, boo
 #endif
 }
 
-/// The same for shadow rays: tfar becomes -infinity where something is hit.
+/// Traces 16 shadow rays; tfar becomes -infinity where something is hit.
 inline void occluded16(const int* valid, RTCScene scene, RTCRay16& rays) {
 #if LIGHTCULL_EMBREE_VERSION == 4
     RTCOccludedArguments arguments;

@@ -71,7 +71,7 @@ struct Sampler {
 
 EmitterSample sample_emitter(const SceneData& scene, const Emitter& emitter, const V3f& from,
                              const V2f& u) noexcept {
-    // Not std::visit, which may throw.
+    // This is not std::visit, which may throw.
     const Sampler sample{scene, from, u};
     if (const auto* triangle = std::get_if<TriangleEmitter>(&emitter)) return sample(*triangle);
     if (const auto* point = std::get_if<PointEmitter>(&emitter)) return sample(*point);

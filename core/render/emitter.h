@@ -11,11 +11,11 @@
 
 namespace lightcull {
 
-/// What light sampling needs of an emissive triangle, in one place: it is read at random.
+/// The data of an emissive triangle that light sampling needs, in one place: it is read at random.
 struct TriangleEmitter {
-    V3f corner, edge1, edge2;  ///< the first corner, and from it to the second and third
-    V3f radiance;              ///< texture aside
-    std::uint32_t triangle;    ///< index over all meshes
+    V3f corner, edge1, edge2;  ///< first corner, and the edges from it to the second and third
+    V3f radiance;              ///< radiance, texture aside
+    std::uint32_t triangle;    ///< index of the triangle over all meshes
     TextureId texture;
     bool two_sided;
 };
@@ -24,15 +24,15 @@ struct PointEmitter {
     V3f position, intensity;
 };
 
-/// Full intensity up to the inner angle, then down to 0 at the outer one as the square of a ramp
-/// in the cosine (glTF's KHR_lights_punctual).
+/// A spot of full intensity up to the inner angle, then down to 0 at the outer one as the square of
+/// a ramp in the cosine (glTF's KHR_lights_punctual).
 struct SpotEmitter {
     V3f position, intensity;
-    V3f direction;  ///< unit length
+    V3f direction;  ///< direction of the spot, unit length
     float cos_inner, cos_outer;
 };
 
-/// One of SceneData::virtual_lights, which are larger than other emitters.
+/// An element of SceneData::virtual_lights, which are larger than other emitters.
 struct VirtualEmitter {
     std::uint32_t index;
 };
@@ -41,10 +41,12 @@ using Emitter = std::variant<TriangleEmitter, PointEmitter, SpotEmitter, Virtual
 
 /// A place on an emitter, seen from a surface.
 struct EmitterSample {
-    V3f place{0.0f};      ///< what a shadow ray must reach
-    V3f direction{0.0f};  ///< towards it, unit length
-    V3f radiance{0.0f};   ///< of all but triangles what falls on a surface that faces them
-    float pdf = 0.0f;     ///< per solid angle; 1 for all but triangles, 0 if it emits nothing here
+    V3f place{0.0f};      ///< place that a shadow ray must reach
+    V3f direction{0.0f};  ///< direction towards the place, unit length
+    V3f radiance{0.0f};   ///< radiance; for all but triangles, irradiance on a surface that faces
+                          ///< the emitter
+    float pdf = 0.0f;     ///< density per solid angle; 1 for all but triangles, 0 if the emitter
+                          ///< emits nothing here
     bool is_delta = false;
 };
 
@@ -59,7 +61,7 @@ LIGHTCULL_CORE_EXPORT float spot_falloff(const SpotEmitter& emitter, float cosin
 /// would have chosen: `to_place` leads from the point to it. 0 in the triangle's plane.
 float triangle_pdf(const TriangleEmitter& emitter, const V3f& to_place) noexcept;
 
-/// What the triangle emits at (u, v) into `direction`, which leaves it.
+/// The radiance that the triangle emits at (u, v) into `direction`, which leaves it.
 LIGHTCULL_CORE_EXPORT V3f emitted(const SceneData& scene, const TriangleEmitter& emitter, float u,
                                   float v, const V3f& direction) noexcept;
 

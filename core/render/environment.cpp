@@ -7,7 +7,7 @@
 namespace lightcull {
 namespace {
 
-/// Mean of a bilinear lookup over a texel's cell: 1/8, 6/8, 1/8 in each direction; around the
+/// The mean of a bilinear lookup over a texel's cell: 1/8, 6/8, 1/8 in each direction; around the
 /// sphere it wraps, at the poles it stops.
 float mean_over_cell(const Texture& t, std::uint32_t x, std::uint32_t y) noexcept {
     const std::uint32_t columns[] = {(x + t.width - 1) % t.width, x, (x + 1) % t.width};
@@ -23,7 +23,7 @@ float mean_over_cell(const Texture& t, std::uint32_t x, std::uint32_t y) noexcep
     return sum;
 }
 
-/// Cosine of the angle to +Y at the upper edge of a row of cells.
+/// The cosine of the angle to +Y at the upper edge of a row of cells.
 double edge_cosine(std::uint32_t row, std::uint32_t height) noexcept {
     constexpr double kPiDouble = 3.14159265358979323846;
     return std::cos(kPiDouble * row / height);
@@ -99,9 +99,10 @@ EnvironmentSample EnvironmentMap::sample(double cell, const V2f& u) const noexce
     const std::uint32_t row = index / map_.width;
     const auto column = static_cast<float>(index % map_.width);
 
-    // Uniform per solid angle: uniform in the angle around +Y and in the cosine to it.
+    // The direction is uniform per solid angle: uniform in the angle around +Y and in the cosine to
+    // it.
     const float angle = 2.0f * kPi * ((column + u.x) / static_cast<float>(map_.width) - 0.5f);
-    // In double: next to a pole the cosines of a row differ by little.
+    // The cosines are in double: next to a pole those of a row differ by little.
     const double top = edge_cosine(row, map_.height);
     const double y = top + (edge_cosine(row + 1, map_.height) - top) * static_cast<double>(u.y);
     const auto sine = static_cast<float>(std::sqrt(std::max(0.0, (1.0 - y) * (1.0 + y))));

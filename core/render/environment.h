@@ -13,9 +13,9 @@
 namespace lightcull {
 
 struct EnvironmentSample {
-    V3f direction{0.0f};  ///< unit length
+    V3f direction{0.0f};  ///< sampled direction, unit length
     V3f radiance{0.0f};
-    float pdf = 0.0f;  ///< per solid angle; 0: the environment is black
+    float pdf = 0.0f;  ///< density per solid angle; 0: the environment is black
 };
 
 /// An environment map that can be looked up and sampled in proportion to what it gives.
@@ -25,12 +25,12 @@ class LIGHTCULL_CORE_EXPORT EnvironmentMap {
 
     /// direction: unit length.
     V3f radiance(const V3f& direction) const noexcept;
-    /// Density of sample(), per solid angle.
+    /// The density of sample(), per solid angle.
     float pdf(const V3f& direction) const noexcept;
     /// cell and u in [0, 1).
     EnvironmentSample sample(double cell, const V2f& u) const noexcept;
 
-    /// Bytes.
+    /// The memory that the map takes, bytes.
     std::size_t memory_size() const noexcept {
         return size_of(map_.texels) + cells_.memory_size() + size_of(pdfs_);
     }
@@ -43,8 +43,8 @@ class LIGHTCULL_CORE_EXPORT EnvironmentMap {
     V3f scale_;
     float cos_rotation_, sin_rotation_;
 
-    // Inside a texel's cell the density is constant per solid angle: the mean luminance there,
-    // which is 0 only where every lookup is.
+    // Inside a texel's cell the density is constant per solid angle: it is the mean luminance
+    // there, which is 0 only where every lookup is.
     AliasTable cells_;  // empty: the environment is black
     std::vector<float> pdfs_;
 };

@@ -23,11 +23,11 @@ class LIGHTCULL_CORE_EXPORT Film {
     /// The mean of the samples, black where there is none.
     std::vector<float3> mean() const;
 
-    /// Three numbers per pixel, and how to go on from them.
+    /// The sums of the passes, three numbers per pixel, and the way to go on from them.
     const std::vector<Imath::V3d>& sums() const noexcept { return sums_; }
     void restore(Span<const double> sums, std::uint64_t passes) noexcept;
 
-    /// Bytes.
+    /// The memory that the film takes, bytes.
     std::size_t memory_size() const noexcept { return size_of(sums_); }
 
   private:

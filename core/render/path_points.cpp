@@ -25,7 +25,7 @@ std::vector<Tile> tiles_by_region(const RenderSettings& settings) {
     return tiles;
 }
 
-/// Where the paths of a tile are after `depth` edges.
+/// The vertices of the paths of a tile after `depth` edges.
 Points points_of_tile(const Pass& pass, const Tile& tile, std::uint32_t depth) {
     Wavefront wavefront;
     wavefront.start(pass, tile);

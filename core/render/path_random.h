@@ -7,14 +7,14 @@
 
 namespace lightcull {
 
-/// What a random number of a path vertex is used for.
+/// The use of a random number of a path vertex.
 enum class Dimension : std::uint64_t {
     kLens,         ///< place on the lens
     kSelectLight,  ///< u of LightSampler::select
     kLightVertex,  ///< place on the light
     kEnvironment,  ///< cell of the environment
     kInCell,       ///< direction within it
-    kLobe,         ///< diffuse or specular
+    kLobe,         ///< choice between diffuse and specular
     kScatter,      ///< direction of the next ray
     kRoulette,
 };
@@ -25,14 +25,14 @@ class PathRandom {
     PathRandom(std::uint64_t pass_key, std::uint32_t pixel, std::uint32_t depth) noexcept
         : key_(hash(pass_key, pixel, depth)) {}
 
-    /// In [0, 1).
+    /// A number in [0, 1).
     float one(Dimension d) const noexcept { return uniform_float(bits(d)); }
     /// Two independent numbers in [0, 1).
     V2f two(Dimension d) const noexcept {
         const std::uint64_t b = bits(d);
         return {uniform_float(b), uniform_float(b << 24)};
     }
-    /// In [0, 1), with 53 bits, for choices among millions.
+    /// A number in [0, 1) of 53 bits, for choices among millions.
     double fine(Dimension d) const noexcept { return static_cast<double>(bits(d) >> 11) * 0x1p-53; }
 
   private:

@@ -10,13 +10,14 @@ namespace lightcull {
 struct Ray {
     V3f origin;
     V3f direction;
-    float end = std::numeric_limits<float>::infinity();  ///< in lengths of `direction`
+    float end = std::numeric_limits<float>::infinity();  ///< end of the ray, in lengths of
+                                                         ///< `direction`
 };
 
-/// How far to move a point that was interpolated in a triangle along the triangle's unit normal,
-/// so that a ray from there does not hit the triangle again. It bounds the rounding error of the
-/// point, which grows with the coordinates, and that of the intersection, which grows with the
-/// edges. magnitude: the corners' largest coordinates, absolute.
+/// The distance by which a point that was interpolated in a triangle moves along the triangle's
+/// unit normal, so that a ray from there does not hit the triangle again. It bounds the rounding
+/// error of the point, which grows with the coordinates, and that of the intersection, which grows
+/// with the edges. magnitude: the corners' largest coordinates, absolute.
 inline float clearance(const V3f& normal, const V3f& magnitude, const V3f& edge1,
                        const V3f& edge2) noexcept {
     constexpr float kRounding = 16.0f * 0x1p-24f;
@@ -24,14 +25,14 @@ inline float clearance(const V3f& normal, const V3f& magnitude, const V3f& edge1
     return kRounding * (abs(normal).dot(magnitude) + edge);
 }
 
-/// Where a shadow ray ends, in parts of the way to the light, so that rounding does not let it hit
+/// The end of a shadow ray, in parts of the way to the light, so that rounding does not let it hit
 /// the light itself.
 inline constexpr float kShadowEnd = 1.0f - 0x1p-16f;
 
 inline constexpr std::uint32_t kNoHit = 0xffffffffu;
 
 struct Hit {
-    std::uint32_t triangle;  ///< index over all meshes, or kNoHit
+    std::uint32_t triangle;  ///< index of the triangle over all meshes, or kNoHit
     float u, v;              ///< barycentric coordinates of the second and third corner
 };
 

@@ -35,7 +35,7 @@ std::size_t fill(Span<const Ray> rays, std::size_t first, RTCRay16& packet, int*
     return count;
 }
 
-/// The fields that are the same for every packet.
+/// Sets the fields that are the same for every packet.
 void prepare(RTCRay16& packet) noexcept {
     std::memset(&packet, 0, sizeof packet);
     std::fill_n(packet.mask, kPacket, 0xffffffffu);
@@ -46,7 +46,7 @@ void prepare(RTCRay16& packet) noexcept {
 struct RayTracer::Handles {
     RTCDevice device = nullptr;
     RTCScene scene = nullptr;
-    std::atomic<::ssize_t> bytes{0};  ///< that Embree has taken and not given back
+    std::atomic<::ssize_t> bytes{0};  ///< bytes that Embree has taken and not given back
 
     Handles() = default;
     Handles(const Handles&) = delete;
@@ -79,7 +79,7 @@ RayTracer::RayTracer(Span<const V3f> positions, Span<const std::uint32_t> indice
     handles_->check();
     handles_->count_memory();
     handles_->scene = rtcNewScene(handles_->device);
-    // No light leaks along shared edges.
+    // With this flag no light leaks along shared edges.
     rtcSetSceneFlags(handles_->scene, RTC_SCENE_FLAG_ROBUST);
     if (!indices.empty()) {
         RTCGeometry geometry = rtcNewGeometry(handles_->device, RTC_GEOMETRY_TYPE_TRIANGLE);

@@ -28,7 +28,7 @@ class LIGHTCULL_CORE_EXPORT RayTracer {
     /// occluded[i] is 1 if anything is hit by rays[i] before its end, else 0.
     void occluded(Span<const Ray> rays, Span<std::uint8_t> occluded) const noexcept;
 
-    /// What Embree keeps in memory, bytes.
+    /// The memory that Embree keeps, bytes.
     std::size_t memory_size() const noexcept;
 
   private:

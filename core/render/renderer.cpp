@@ -30,7 +30,7 @@ double seconds_since(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// Bytes that LightSampler::select() needs for a point meanwhile.
+/// The bytes that LightSampler::select() needs for a point meanwhile.
 constexpr std::size_t kSelectionScratch = 20;
 
 int thread_count(std::uint32_t wanted) {
@@ -47,13 +47,13 @@ struct Renderer::Impl {
     CameraRays camera;
     tbb::task_arena arena;
     std::vector<Wavefront> wavefronts;  ///< one for each tile of a region
-    std::vector<ShadingPoint> points;   ///< of all of them, one after the other
+    std::vector<ShadingPoint> points;   ///< points of all wavefronts, one after the other
     std::vector<float> selection_numbers;
     std::vector<Selection> selections;
     std::vector<V3f> pass_pixels;
     Film film;
     RenderStats stats;
-    RenderStats cost;  ///< of the pass under way
+    RenderStats cost;  ///< statistics of the pass under way
 
     Impl(std::shared_ptr<const Scene> s, const RenderSettings& r, std::unique_ptr<LightSampler> l)
         : scene(std::move(s)),
@@ -105,7 +105,8 @@ void Renderer::Impl::render_region(const Pass& pass, const Tile& region) {
     }
 }
 
-/// For the points of all wavefronts in one call: the more points, the less each of them costs.
+/// Selects for the points of all wavefronts in one call: the more points, the less each of them
+/// costs.
 void Renderer::Impl::select_lights(const std::vector<std::uint8_t>& under_way) {
     points.clear();
     selection_numbers.clear();

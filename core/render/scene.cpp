@@ -33,7 +33,7 @@ void check_reflectance(const std::string& what, TextureId id, const std::vector<
     }
 }
 
-/// An attribute of which a mesh has none, or one for each of `count` things.
+/// Checks an attribute of which a mesh has none, or one for each of `count` things.
 template <typename T>
 void check_attribute(const std::string& what, Span<const T> values, std::size_t count,
                      const char* things) {
@@ -104,7 +104,7 @@ void check_mesh(const std::string& name, const Mesh& mesh, const SceneData& scen
     check_emission(name, mesh, scene.textures.size());
 }
 
-/// Lights for the emissive triangles of the mesh that was added last.
+/// Adds lights for the emissive triangles of the mesh that was added last.
 void add_triangle_lights(SceneData& scene, const Mesh& mesh) {
     const Emission& e = mesh.emission;
     const std::size_t count = mesh.indices.size() / 3;

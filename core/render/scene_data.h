@@ -17,12 +17,13 @@ namespace lightcull {
 
 inline constexpr std::uint32_t kNone = 0xffffffffu;
 
-/// What the triangles of a mesh have in common; indices into the arrays of SceneData.
+/// The properties that the triangles of a mesh have in common; indices into the arrays of
+/// SceneData.
 struct MeshRecord {
     MaterialId material = 0;
     std::uint32_t first_position = 0;
-    std::uint32_t first_normal = kNone;  ///< kNone: no shading normals
-    std::uint32_t first_uv = kNone;      ///< kNone: no texture coordinates
+    std::uint32_t first_normal = kNone;  ///< index of the first normal; kNone: no shading normals
+    std::uint32_t first_uv = kNone;      ///< index of the first texture coordinates; kNone: none
 };
 
 struct TriangleRecord {
@@ -41,19 +42,20 @@ struct SceneData {
     std::vector<V2f> uvs;
 
     std::vector<Emitter> emitters;
-    std::vector<Light> lights;  ///< of emitters, one each
+    std::vector<Light> lights;  ///< lights of the emitters, one each
     std::vector<VirtualLight> virtual_lights;
-    float virtual_nearest2 = 0.0f;  ///< a distance, squared, within which these fall off no more
+    float virtual_nearest2 = 0.0f;  ///< square of a distance within which virtual lights fall off
+                                    ///< no more
 
     std::optional<EnvironmentMap> environment;
     Camera camera;
-    std::optional<RayTracer> ray_tracer;  ///< since commit()
+    std::optional<RayTracer> ray_tracer;  ///< present since commit()
 
-    /// A corner's index into positions.
+    /// The index of a corner into positions.
     std::uint32_t corner(std::uint32_t triangle, std::uint32_t k) const noexcept {
         return indices[std::size_t{triangle} * 3 + k];
     }
-    /// Texture coordinates; the mesh must have them.
+    /// The texture coordinates at a place in a triangle; the mesh must have them.
     V2f uv_at(std::uint32_t triangle, float u, float v) const noexcept {
         const MeshRecord& mesh = meshes[triangles[triangle].mesh];
         const std::uint32_t shift = mesh.first_uv - mesh.first_position;

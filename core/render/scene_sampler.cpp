@@ -13,7 +13,7 @@
 namespace lightcull {
 namespace {
 
-/// Points of each kind that a sampler is calibrated on.
+/// The number of points of each kind that a sampler is calibrated on.
 constexpr std::uint32_t kCalibrationPoints = 128;
 
 /// The surfaces that rays meet.
@@ -28,7 +28,7 @@ std::vector<Surface> trace(const SceneData& scene, const std::vector<Ray>& rays)
     return surfaces;
 }
 
-/// What the centres of about `count` cells show, in which the image is divided.
+/// The surfaces that the centres of about `count` cells show, in which the image is divided.
 std::vector<Surface> camera_surfaces(const Scene& scene, const RenderSettings& settings,
                                      std::uint32_t count) {
     check_committed(scene);
@@ -53,7 +53,7 @@ std::vector<Surface> camera_surfaces(const Scene& scene, const RenderSettings& s
     return trace(data_of(scene), rays);
 }
 
-/// What one scattered ray from each of the surfaces meets.
+/// The surfaces that one scattered ray from each of the surfaces meets.
 std::vector<Surface> bounce(const SceneData& scene, const std::vector<Surface>& from) {
     std::vector<Ray> rays;
     for (std::uint32_t i = 0; i < from.size(); ++i) {

@@ -4,7 +4,7 @@
 
 namespace lightcull {
 
-/// Throw Error if rendering cannot begin, or go on.
+/// The checks throw Error if rendering cannot begin, or go on.
 void check_committed(const Scene& scene);
 void check_settings(const RenderSettings& settings);
 void check_state(const RenderState& state, const RenderSettings& settings);

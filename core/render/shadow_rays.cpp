@@ -20,11 +20,11 @@
 namespace lightcull {
 namespace {
 
-/// As many rays as the paths of a tile send at a time.
+/// The number of rays in a chunk: as many as the paths of a tile send at a time.
 constexpr std::size_t kChunk = std::size_t{kTileSize} * kTileSize;
 
 Ray shadow_ray(const ShadingPoint& point, const Light& light) {
-    constexpr float kClearance = 1e-4f;  // of the coordinates, and at least of a metre
+    constexpr float kClearance = 1e-4f;  // part of the coordinates, and at least of a metre
     const V3f position = to_v3f(point.position);
     const float away = kClearance * std::max(1.0f, max_component(abs(position)));
     const V3f origin = position + to_v3f(point.normal) * away;

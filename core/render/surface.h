@@ -13,17 +13,18 @@ namespace lightcull {
 /// A point of a surface, seen from one side.
 struct Surface {
     V3f position{0.0f};
-    V3f normal{0.0f};  ///< geometric, on the viewer's side
-    V3f origin{0.0f};  ///< where rays that leave on the viewer's side start
+    V3f normal{0.0f};  ///< geometric normal, on the viewer's side
+    V3f origin{0.0f};  ///< start of rays that leave on the viewer's side
     Bsdf bsdf;
 
-    /// What a light sampler is asked about: the shading normal, on the viewer's side.
+    /// The point that a light sampler is asked about: it has the shading normal, on the viewer's
+    /// side.
     ShadingPoint shading_point(std::uint32_t set) const noexcept {
         ShadingPoint point{to_float3(position), to_float3(bsdf.normal()), set, bsdf.diffuse_part(),
                            bsdf.glossy_part()};
-        // BSDF sampling finds much of what lies in the lobe. Found by trial on a floor of roughness
-        // 0.2, flat between 0.03 and 0.3; with all of the lobe the error is 2 to 3 times as large,
-        // with none of it 1.4 to 2.3 times.
+        // BSDF sampling finds much of what lies in the lobe. The number was found by trial on a
+        // floor of roughness 0.2, flat between 0.03 and 0.3; with all of the lobe the error is 2 to
+        // 3 times as large, with none of it 1.4 to 2.3 times.
         constexpr float kLeftToLightSampling = 0.1f;
         point.lobe.peak *= kLeftToLightSampling;
         return point;

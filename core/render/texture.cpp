@@ -13,7 +13,7 @@ struct Tap {
     float weight;
 };
 
-/// x in texels, any finite number.
+/// The tap for x in texels, any finite number.
 Tap tap(float x, std::uint32_t size) noexcept {
     const float floor = std::floor(x);
     const auto n = static_cast<std::int64_t>(size);
@@ -31,7 +31,8 @@ V3f texel(const Texture& t, std::uint32_t x, std::uint32_t y) noexcept {
     return to_v3f(t.texels[std::size_t{y} * t.width + x]);
 }
 
-/// Texels that lookups between `low` and `high` (texels) can touch: the first, and how many.
+/// The extent of the texels that lookups between `low` and `high` (texels) can touch: the first,
+/// and how many.
 struct Extent {
     std::uint32_t first, count;
 };
@@ -73,8 +74,8 @@ float mean_luminance(const Texture& texture, const V2f& a, const V2f& b, const V
     const V2f low(std::min({pa.x, pb.x, pc.x}), std::min({pa.y, pb.y, pc.y}));
     const V2f high(std::max({pa.x, pb.x, pc.x}), std::max({pa.y, pb.y, pc.y}));
 
-    // The centroids of n * n equal triangles, about two to a texel, or a coarse grid over a
-    // footprint of many texels.
+    // The places are the centroids of n * n equal triangles, about two to a texel, or a coarse grid
+    // over a footprint of many texels.
     constexpr float kMostPerEdge = 128.0f;
     const float extent = std::max(high.x - low.x, high.y - low.y);
     const auto n = static_cast<int>(std::clamp(std::ceil(2.0f * extent), 2.0f, kMostPerEdge));

@@ -7,15 +7,15 @@
 
 namespace lightcull {
 
-/// Pixels [x0, x1) x [y0, y1).
+/// The pixels [x0, x1) x [y0, y1).
 struct Tile {
     std::uint32_t x0, y0, x1, y1;
 };
 
-/// Edge of a tile in pixels: small enough that a few threads share a small image evenly.
+/// The edge of a tile in pixels: small enough that a few threads share a small image evenly.
 inline constexpr std::uint32_t kTileSize = 64;
-/// Edge of a region in pixels: as many points as light selection gets at a time, and as many paths
-/// as are in memory.
+/// The edge of a region in pixels. A region has as many points as light selection gets at a time,
+/// and as many paths as are in memory.
 inline constexpr std::uint32_t kRegionSize = 512;
 
 /// Cuts an area into tiles of `edge` pixels, smaller at its right and lower border, row by row.

@@ -32,12 +32,12 @@ inline V3f abs(const V3f& a) noexcept {
     return {std::fabs(a.x), std::fabs(a.y), std::fabs(a.z)};
 }
 
-/// Unit vector along a, which must not be 0. Imath's asks about denormal lengths first.
+/// The unit vector along a, which must not be 0. Imath's own asks about denormal lengths first.
 inline V3f unit(const V3f& a) noexcept {
     return a * (1.0f / std::sqrt(a.dot(a)));
 }
 
-/// Unit vector along a of any length that floats can have; 0 for 0.
+/// The unit vector along a of any length that floats can have; 0 for 0.
 inline V3f direction(float3 a) noexcept {
     return V3f(Imath::V3d(a.x, a.y, a.z).normalized());
 }

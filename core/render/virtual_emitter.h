@@ -7,27 +7,28 @@
 
 namespace lightcull {
 
-/// Which part of a surface's BSDF a virtual light sends light out by. A glossy surface gives two
-/// lights: [TH17] culls diffuse and glossy ones by volumes of their own.
+/// The part of a surface's BSDF by which a virtual light sends light out. A glossy surface gives
+/// two lights: [TH17] culls diffuse and glossy ones by volumes of their own.
 enum class Lobe : std::uint32_t {
     kDiffuse,     ///< Lambert
-    kUnderGloss,  ///< Lambert under a specular layer: what that does not reflect
+    kUnderGloss,  ///< Lambert under a specular layer: the light that the layer does not reflect
     kGlossy,      ///< GGX
 };
 
 /// A point of a surface that light has come to and leaves again ([TH17] Eq. 4).
 struct VirtualLight {
-    V3f position;  ///< where shadow rays end: just off the surface
-    V3f normal;    ///< unit length, on the lit side
-    V3f incoming;  ///< unit length, towards where the light comes from
-    V3f strength;  ///< W/sr: the flux that has come, times what of the lobe does not depend on the
-                   ///< outgoing direction (albedo / pi, or Smith's masking)
-    V3f f0;        ///< of lobes with a specular layer: its reflectance at normal incidence
-    float alpha;   ///< of kGlossy: GGX's, (0, 1]
+    V3f position;  ///< place where shadow rays end: just off the surface
+    V3f normal;    ///< normal on the lit side, unit length
+    V3f incoming;  ///< direction towards where the light comes from, unit length
+    V3f strength;  ///< W/sr: the flux that has come, times the part of the lobe that does not
+                   ///< depend on the outgoing direction (albedo / pi, or Smith's masking)
+    V3f f0;  ///< reflectance at normal incidence of the specular layer, for lobes that have one
+    float alpha;  ///< GGX's alpha of kGlossy, (0, 1]
     Lobe lobe;
 };
 
-/// Radiant intensity into a direction (unit length): [TH17] Eqs. 4 and 6. 0 below the surface.
+/// The radiant intensity into a direction (unit length): [TH17] Eqs. 4 and 6. It is 0 below the
+/// surface.
 inline V3f intensity(const VirtualLight& light, const V3f& outgoing) noexcept {
     const float cosine = light.normal.dot(outgoing);
     if (!(cosine > 0.0f)) return V3f(0.0f);

@@ -9,7 +9,7 @@
 
 namespace lightcull {
 
-/// Uniform over the unit disk: Shirley and Chiu's concentric map.
+/// A point uniform over the unit disk: Shirley and Chiu's concentric map.
 inline V2f uniform_disk(const V2f& u) noexcept {
     const float x = 2.0f * u.x - 1.0f, y = 2.0f * u.y - 1.0f;
     if (x == 0.0f && y == 0.0f) return {0.0f, 0.0f};
@@ -19,13 +19,13 @@ inline V2f uniform_disk(const V2f& u) noexcept {
     return {radius * std::cos(angle), radius * std::sin(angle)};
 }
 
-/// Cosine-weighted over the hemisphere about +Z.
+/// A direction cosine-weighted over the hemisphere about +Z.
 inline V3f cosine_hemisphere(const V2f& u) noexcept {
     const V2f d = uniform_disk(u);
     return {d.x, d.y, std::sqrt(std::max(0.0f, 1.0f - d.x * d.x - d.y * d.y))};
 }
 
-/// Uniform over a triangle: barycentric coordinates of its second and third corner.
+/// A point uniform over a triangle: barycentric coordinates of its second and third corner.
 inline V2f uniform_triangle(const V2f& u) noexcept {
     const float root = std::sqrt(u.x);
     return {root * (1.0f - u.y), root * u.y};

@@ -172,7 +172,8 @@ void Wavefront::add_direct_light() {
             shadow_rays_.push_back(sample.shadow_ray);
             contributions_.push_back({pixel, sample.value});
         };
-        // One ray each: a choice between the two would double the variance of both.
+        // The light and the environment get one ray each: a choice between the two would double the
+        // variance of both.
         if (has_lights()) shoot(sample_light(k, random));
         if (pass_->scene.environment) shoot(sample_environment(k, random));
     }

@@ -18,16 +18,16 @@
 
 namespace lightcull {
 
-/// What all tiles of a pass share.
+/// The data that all tiles of a pass share.
 struct Pass {
     const SceneData& scene;
     const RenderSettings& settings;
     PassRays camera_rays;
     const LightSelector& sampler;
-    const VertexCulling* vertex_culling;  ///< of the sampler; may be null
-    std::uint64_t key;                    ///< of its random numbers
+    const VertexCulling* vertex_culling;  ///< vertex culling of the sampler; may be null
+    std::uint64_t key;                    ///< key of the pass's random numbers
     const std::atomic<bool>* cancel;      ///< may be null
-    V3f* pixels;                          ///< where the samples go: height * width, black at first
+    V3f* pixels;  ///< place where the samples go: height * width, black at first
 
     bool cancelled() const noexcept {
         return cancel != nullptr && cancel->load(std::memory_order_relaxed);
@@ -36,7 +36,7 @@ struct Pass {
 
 /// Traces one path per pixel of a tile, all of them one edge at a time:
 ///     start(); while (advance()) { choose a light for each of points(); shade(); }
-/// which adds a sample to each pixel of the tile. Keeps its buffers from tile to tile.
+/// which adds a sample to each pixel of the tile. The buffers are kept from tile to tile.
 class Wavefront {
   public:
     void start(const Pass& pass, const Tile& tile);
@@ -49,16 +49,16 @@ class Wavefront {
     /// take there.
     Span<const ShadingPoint> points() const noexcept { return points_; }
     Span<const float> selection_numbers() const noexcept { return selection_u_; }
-    /// Where the selections for points() go, at first none.
+    /// The place where the selections for points() go; there are none at first.
     Span<Selection> selections() noexcept { return selections_; }
 
     /// Adds the light that falls on the vertices, and scatters the paths.
     void shade();
 
-    /// Rays traced since it was last asked.
+    /// The number of rays traced since it was last asked for.
     std::uint64_t take_ray_count() noexcept;
 
-    /// Of all buffers, for each path that has a vertex and a shadow ray.
+    /// The bytes of all buffers, for each path that has a vertex and a shadow ray.
     static constexpr std::size_t bytes_per_path() noexcept {
         return 2 * (sizeof(Path) + sizeof(Ray)) + sizeof(Hit) + sizeof(std::uint32_t) +
                sizeof(Surface) + sizeof(ShadingPoint) + sizeof(float) + sizeof(Selection) +
@@ -71,20 +71,20 @@ class Wavefront {
     struct Path {
         std::uint32_t pixel;
         V3f throughput;
-        // For MIS, of the vertex that the ray leaves:
+        // Members for MIS, about the vertex that the ray leaves:
         float bsdf_pdf;
         ShadingPoint point;
         Receipt receipt;
     };
-    /// What a shadow ray brings if nothing is in its way.
+    /// The light that a shadow ray brings if nothing is in its way.
     struct Contribution {
         std::uint32_t pixel;
         V3f value;
     };
-    /// A direction to an emitter or the environment, and what it brings.
+    /// A direction to an emitter or the environment, and the light that it brings.
     struct LightSample {
         Ray shadow_ray;
-        V3f value{0.0f};  ///< 0: not worth a ray
+        V3f value{0.0f};  ///< light that it brings; 0: not worth a ray
     };
 
     void intersect();
@@ -110,21 +110,21 @@ class Wavefront {
     std::uint32_t depth_ = 0;  ///< edges of the paths so far, the rays under way included
     std::uint64_t rays_traced_ = 0;
 
-    // Paths, by ray.
+    // The paths, by ray.
     std::vector<Path> paths_, next_paths_;
     std::vector<Ray> rays_, next_rays_;
     std::vector<Hit> hits_;
-    // Vertices, where a path goes on: order_ leads to the path.
+    // The vertices where a path goes on: order_ leads to the path.
     std::vector<std::uint32_t> order_;
     std::vector<Surface> surfaces_;
     std::vector<ShadingPoint> points_;
     std::vector<float> selection_u_;
     std::vector<Selection> selections_;
-    // Shadow rays.
+    // The shadow rays.
     std::vector<Ray> shadow_rays_;
     std::vector<Contribution> contributions_;
     std::vector<std::uint8_t> occluded_;
-    // Sorting.
+    // Room for sorting.
     std::vector<V3f> positions_;
     std::vector<std::uint64_t> sort_keys_;
 };
