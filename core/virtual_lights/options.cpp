@@ -10,7 +10,7 @@
 namespace lightcull {
 namespace {
 
-/// A value's name, and what it stands for.
+/// A value's name, and the value that it stands for.
 template <typename Value>
 struct Named {
     std::string_view name;

@@ -4,7 +4,7 @@
 
 namespace lightcull {
 
-/// Throws Error if light paths of the scene cannot become virtual lights: where a material is a
+/// Throws Error if light paths of the scene cannot become virtual lights: if a material is a
 /// perfect mirror, or virtual lights are among its emitters.
 void check_for_virtual_lights(const SceneData& scene);
 

@@ -15,7 +15,7 @@
 namespace lightcull {
 namespace {
 
-/// What samplers know of a virtual light.
+/// The light by which samplers know a virtual light.
 Light light_of(const VirtualLight& light) noexcept {
     const float3 position = to_float3(light.position);
     if (light.lobe != Lobe::kGlossy) {
@@ -25,7 +25,7 @@ Light light_of(const VirtualLight& light) noexcept {
                               light.alpha);
 }
 
-/// Rays can be traced as long as this lives.
+/// A scene whose rays can be traced as long as this lives.
 class Committed {
   public:
     explicit Committed(Scene& scene) : scene_(scene) { scene.commit(); }

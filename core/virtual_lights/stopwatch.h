@@ -4,8 +4,8 @@
 
 namespace lightcull {
 
-/// The processor time that this process has taken since, all threads together: unlike wall time, it
-/// does not grow where others use the machine.
+/// The processor time that this process has taken since the stopwatch was made, all threads
+/// together: unlike wall time, it does not grow where others use the machine.
 class Stopwatch {
   public:
     double seconds() const noexcept {

@@ -71,12 +71,12 @@ void note(const LightingCounts& counts, VirtualLightStats& cost) noexcept {
     cost.build_seconds = counts.build_seconds;
 }
 
-/// What of a pixel is kept, or worked with in a pass.
+/// The bytes of a pixel that are kept, or worked with in a pass.
 constexpr std::size_t kBytesPerPixel = sizeof(Surface) + sizeof(std::uint8_t) + 3 * sizeof(V3f) +
                                        sizeof(Imath::V3d) + 2 * sizeof(LightsOfPixel);
 
-/// What of a virtual light there is at a time, when most of it is there; of kGrid where no two
-/// share a cell of the finest grid (a third of it has been seen where many do).
+/// The bytes that a virtual light takes when most of it is there. For kGrid they are those where no
+/// two lights share a cell of the finest grid (a third of it has been seen where many do).
 std::size_t bytes_per_light(const VirtualLightOptions& options) noexcept {
     constexpr std::size_t kOfTiles = 280, kOfGrid = 2300;
     const bool maps = options.shadows == VirtualShadows::kMaps;
@@ -99,11 +99,11 @@ struct VirtualLightRenderer::Impl {
     CameraRays camera;
     tbb::task_arena arena;
     EmissionTable emission;
-    std::optional<RandomRanges> ranges;  ///< since the first pass
-    PointCloud cloud;                    ///< of shadows by maps
+    std::optional<RandomRanges> ranges;  ///< present since the first pass
+    PointCloud cloud;                    ///< points for shadows by maps
     std::vector<LightsOfPixel> of_pixels;
     Film bounced;
-    double seconds = 0.0;    ///< of bounced light
+    double seconds = 0.0;    ///< time for bounced light
     std::uint64_t rays = 0;  ///< camera and shadow rays of bounced light
     VirtualLightStats stats;
 
@@ -118,7 +118,7 @@ struct VirtualLightRenderer::Impl {
           emission(data_of(*shared_scene)),
           of_pixels(std::size_t{r.width} * r.height),
           bounced(of_pixels.size()) {
-        // So many that the maps of a few lights together have all of the geometry.
+        // The parts are so many that the maps of a few lights together have all of the geometry.
         constexpr std::uint32_t kParts = 16;
         if (options.shadows != VirtualShadows::kMaps) return;
         cloud = PointCloud(scene(), kParts, options.map_points, 0);
@@ -137,7 +137,7 @@ struct VirtualLightRenderer::Impl {
                      std::vector<V3f>& pixels, VirtualLightStats& cost) const;
 };
 
-/// The first rays of so many light paths, or of as many texels of each shadow map.
+/// The first rays of that many light paths, or of as many texels of each shadow map.
 std::vector<LightRay> VirtualLightRenderer::Impl::light_rays(std::uint32_t paths,
                                                              std::uint64_t key) const {
     if (options.source == VirtualLightSource::kPaths) return emit(emission, paths, key);
@@ -155,7 +155,7 @@ std::vector<VirtualLight> VirtualLightRenderer::Impl::generate(std::uint64_t key
     return lights;
 }
 
-/// By a sample of the light paths.
+/// The bytes of lights, estimated by a sample of the light paths.
 std::size_t VirtualLightRenderer::Impl::bytes_of_lights() const {
     constexpr std::size_t kSample = 4096;
     std::size_t paths = kSample;
@@ -173,8 +173,8 @@ std::size_t VirtualLightRenderer::Impl::bytes_of_lights() const {
            cloud.memory_size();
 }
 
-/// The reach stays what the first pass's lights give: were it to follow those of each pass, the
-/// error would depend on them.
+/// Begins the ranges of a pass. The reach stays what the first pass's lights give: were it to
+/// follow those of each pass, the error would depend on them.
 void VirtualLightRenderer::Impl::begin_ranges(const std::vector<VirtualLight>& lights,
                                               std::uint64_t pass) {
     if (!ranges) {
@@ -182,7 +182,7 @@ void VirtualLightRenderer::Impl::begin_ranges(const std::vector<VirtualLight>& l
         const float reach = options.method == VirtualLightMethod::kAll
                                 ? 1.0f
                                 : calibrate_reach(lights, options, *shared_scene, settings);
-        // [TH16] Eq. 6 and appendix A.
+        // The formulas are [TH16] Eq. 6 and appendix A.
         const double share = constant ? static_cast<double>(lights.size()) : 0.5;
         stats.error_bound = static_cast<double>(options.range.exposure) * share /
                             (static_cast<double>(kPi) * static_cast<double>(reach));

@@ -9,7 +9,7 @@
 namespace lightcull {
 namespace {
 
-/// With more, cells would have no Morton code.
+/// The largest number of levels. With more, cells would have no Morton code.
 constexpr std::uint32_t kMostLevels = 10;
 
 std::vector<LightMoments> all_moments(const std::vector<VirtualLight>& lights) {
@@ -18,7 +18,7 @@ std::vector<LightMoments> all_moments(const std::vector<VirtualLight>& lights) {
     for_each_block(lights.size(), kBlock, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) moments[i] = moments_of(lights[i]);
     });
-    // What has no luminance has no place.
+    // A light that has no luminance has no place.
     moments.erase(std::remove_if(moments.begin(), moments.end(),
                                  [](const LightMoments& m) { return !(m.weight > 0.0); }),
                   moments.end());
@@ -43,8 +43,8 @@ GridHierarchy::GridHierarchy(const std::vector<VirtualLight>& lights, float alph
     const V3f origin = box.isEmpty() ? V3f(0.0f) : box.min;
     const float top = std::max(max_component(size), 1e-6f);
 
-    // As many levels as leave level 1 less than half as many lights as there are ([LY19] section
-    // 4.3). Lights on surfaces fill about the square of the cells along an edge.
+    // The levels are as many as leave level 1 less than half as many lights as there are ([LY19]
+    // section 4.3). Lights on surfaces fill about the square of the cells along an edge.
     const double cells = std::sqrt(static_cast<double>(lights.size()));
     auto levels = static_cast<std::uint32_t>(
         std::clamp(std::ceil(std::log2(cells)) + 1.0, 1.0, static_cast<double>(kMostLevels)));

@@ -14,16 +14,16 @@ namespace lightcull {
 /// levels with weights blend(level, d) that sum to 1.
 class GridHierarchy {
   public:
-    /// alpha: r_l / h_l, the accuracy. At least one light.
+    /// lights: at least one. alpha: r_l / h_l, the accuracy.
     GridHierarchy(const std::vector<VirtualLight>& lights, float alpha, GridBuild build);
 
-    /// Levels above 0: 1 at least.
+    /// The number of levels above 0: 1 at least.
     std::uint32_t level_count() const noexcept { return static_cast<std::uint32_t>(grids_.size()); }
-    /// 1 <= level <= level_count().
+    /// The lights of a level, 1 <= level <= level_count().
     const std::vector<GridLight>& level(std::uint32_t level) const noexcept {
         return grids_[level - 1];
     }
-    /// r_l = alpha h_l of a level, 0 included, metres.
+    /// The radius r_l = alpha h_l of a level, 0 included, metres.
     float radius(std::uint32_t level) const noexcept { return radii_[level]; }
 
     /// The part of the light from a distance that a level gives: a hat with its peak at r_l, 0

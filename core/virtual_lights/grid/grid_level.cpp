@@ -16,7 +16,7 @@ namespace {
 using Imath::V3d;
 using Corners = std::array<LightMoments, 8>;
 
-constexpr std::uint32_t kMostCells = 1022;  // a side, so that vertices have codes, too
+constexpr std::uint32_t kMostCells = 1022;  // cells along an edge, so that vertices have codes, too
 
 struct Cell {
     std::uint32_t x, y, z;
@@ -37,7 +37,7 @@ V3f place_in(const GridCells& cells, const LightMoments& light) noexcept {
     return (V3f(light.position / light.weight) - cells.origin) / cells.edge;
 }
 
-/// Of a cell, some of its lights: a run in an order by cell, short enough for one thread.
+/// A run of some lights of a cell, in an order by cell, short enough for one thread.
 struct Run {
     std::size_t begin, end;
 };

@@ -9,31 +9,32 @@
 
 namespace lightcull {
 
-/// Sums over lights, from which the light that stands for them is made. In double: sums of many.
+/// Sums over lights, from which the light that stands for them is made. They are in double, as they
+/// are sums of many.
 struct LightMoments {
-    Imath::V3d strength{0.0};  ///< W/sr, that of a Lambertian light along its normal
-    double weight = 0.0;       ///< luminance of it, which the following are weighted by
-    Imath::V3d position{0.0}, square{0.0};  ///< of the position, by component
+    Imath::V3d strength{0.0};  ///< strength of a Lambertian light along its normal, W/sr
+    double weight = 0.0;       ///< luminance of the strength, by which the following are weighted
+    Imath::V3d position{0.0}, square{0.0};  ///< position, by component, and its square
     Imath::V3d normal{0.0};
 
     void add(const LightMoments& other, double share) noexcept;
 };
 
-/// One virtual light; a glossy one counts as a diffuse one that reflects as much.
+/// The moments of one virtual light; a glossy one counts as a diffuse one that reflects as much.
 LightMoments moments_of(const VirtualLight& light) noexcept;
 
-/// Stands for the lights around a vertex of a grid ([LY19] sections 2.2 and 3.3).
+/// A light that stands for the lights around a vertex of a grid ([LY19] sections 2.2 and 3.3).
 struct GridLight {
     V3f position;   ///< illumination centre
     V3f deviation;  ///< standard deviation of the lights' positions about it
-    V3f strength;   ///< W/sr, summed
-    V3f normal;     ///< their mean, shorter the more they differ
+    V3f strength;   ///< sum of the lights' strengths, W/sr
+    V3f normal;     ///< mean of the lights' normals, shorter the more they differ
 };
 GridLight light_of(const LightMoments& moments) noexcept;
 
-/// Radiant intensity into a direction (unit length): that of Lambertian lights whose normals spread
-/// about their mean as much as its length says; exact where they are equal, and where they point
-/// anywhere alike.
+/// The radiant intensity into a direction (unit length): that of Lambertian lights whose normals
+/// spread about their mean as much as its length says; it is exact where they are equal, and where
+/// they point anywhere alike.
 V3f intensity(const GridLight& light, const V3f& outgoing) noexcept;
 
 /// Cells of edge `edge` from `origin` on, less than 1024 a side.

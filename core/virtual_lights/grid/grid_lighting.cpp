@@ -13,7 +13,7 @@
 namespace lightcull {
 namespace {
 
-/// No number for filter_a_trous().
+/// The mark of a pixel without light: filter_a_trous() takes it for no number.
 constexpr float kNoLight = -1.0f;
 
 /// Lights the pixels of a tile.
@@ -27,7 +27,7 @@ class GridTile {
           finder_(finder),
           nearest2_(nearest2) {}
 
-    /// light: without shadows; visible: the part of it that shadow samples reach.
+    /// Lights the tile. light: without shadows; visible: the part of it that shadow samples reach.
     LightingCounts run(const Tile& tile, std::vector<V3f>& light, std::vector<float>& visible) {
         for (std::uint32_t y = tile.y0; y < tile.y1; ++y) {
             for (std::uint32_t x = tile.x0; x < tile.x1; ++x) {
@@ -101,10 +101,10 @@ class GridTile {
         return static_cast<float>(open) / static_cast<float>(rays_.size());
     }
 
-    /// To a place drawn uniformly from a box with the deviation of the lights that the grid light
-    /// stands for. They lie on surfaces, and half of the box behind those: a ray to the place would
-    /// meet the very surfaces that shine (in a closed room two fifths of the light were lost so),
-    /// so it ends where the box may begin.
+    /// A shadow ray to a place drawn uniformly from a box with the deviation of the lights that the
+    /// grid light stands for. They lie on surfaces, and half of the box behind those: a ray to the
+    /// place would meet the very surfaces that shine (in a closed room two fifths of the light were
+    /// lost so), so it ends where the box may begin.
     Ray shadow_ray(const V3f& origin, GridFinder::Found found,
                    RandomStream& random) const noexcept {
         const V3f way = position(found) - origin;
@@ -127,7 +127,7 @@ class GridTile {
     std::vector<std::uint8_t> occluded_;
 };
 
-/// RandomRanges in which a light's range is the root of its intensity.
+/// Makes RandomRanges in which a light's range is the root of its intensity.
 RandomRanges ranges_of_intensity() {
     return {1.0f, 1, RangeLaw::kConstant};
 }

@@ -12,22 +12,22 @@
 namespace lightcull {
 
 /// Finds the lights of a hierarchy that give a point something: all of them stand in one sphere
-/// tree with a range of 2 r_l, beyond which blend() is 0, but for those of the last level, which
-/// have no range.
+/// tree with a range of 2 r_l, beyond which blend() is 0, but for the lights of the last level,
+/// which have no range.
 class GridFinder {
   public:
-    /// Both must outlive it.
+    /// Both arguments must outlive the finder.
     GridFinder(const std::vector<VirtualLight>& lights, const GridHierarchy& hierarchy);
 
     /// A light of level 0, if `level` is 0, or of a grid.
     struct Found {
         std::uint32_t level, index;
     };
-    /// A number for each of them, below count().
+    /// The light of a number below count().
     Found operator[](std::uint32_t number) const noexcept { return found_[number]; }
     std::uint32_t count() const noexcept { return static_cast<std::uint32_t>(found_.size()); }
 
-    /// Calls visit(number, found) for them.
+    /// Calls visit(number, found) for the lights that give a point something.
     template <typename Visit>
     void for_each(const Receiver& receiver, Visit&& visit) const noexcept {
         tree_->for_accepted(receiver, 0, [&](Span<const std::uint32_t> records) {
@@ -43,7 +43,7 @@ class GridFinder {
 
   private:
     std::vector<Found> found_;
-    std::uint32_t first_unlimited_ = 0;  // of the last level
+    std::uint32_t first_unlimited_ = 0;  // first light of the last level
     std::optional<RangeTree> tree_;
 };
 

@@ -7,7 +7,8 @@
 
 namespace lightcull {
 
-/// What `flux` (W) makes of a surface that it meets: none, one or two lights, appended to `lights`.
+/// Appends to `lights` the lights, none, one or two, that `flux` (W) makes of a surface that it
+/// meets.
 void add_virtual_lights(const Surface& surface, const V3f& incoming, const V3f& flux,
                         std::vector<VirtualLight>& lights);
 

@@ -15,8 +15,8 @@ constexpr std::size_t kTexels =
 /// A point casts its shadow this much of its distance, and of its radius, behind itself.
 constexpr float kBias = 0.05f;
 
-/// Where in the map, [0, kEdge]^2, a direction in the light's basis lies: a paraboloid, which parts
-/// the hemisphere into texels of about equal solid angles.
+/// The place in the map, [0, kEdge]^2, of a direction in the light's basis: a paraboloid parts the
+/// hemisphere into texels of about equal solid angles.
 V2f project(const V3f& direction) noexcept {
     const float scale = 0.5f * ImperfectShadowMaps::kEdge / (1.0f + direction.z);
     constexpr float kMiddle = 0.5f * ImperfectShadowMaps::kEdge;
@@ -61,7 +61,7 @@ class Map {
     float* depths_;
 };
 
-/// Program 1 of [TH16].
+/// True if a point casts a shadow: Program 1 of [TH16].
 bool casts(const CloudPoint& point, const VirtualLight& light, float range2) noexcept {
     const V3f way = point.position - light.position;
     return way.dot(point.normal) > 0.0f && way.dot(light.normal) > 0.0f && way.dot(way) < range2;
@@ -72,7 +72,8 @@ bool casts(const CloudPoint& point, const VirtualLight& light, float range2) noe
 ImperfectShadowMaps::ImperfectShadowMaps(const std::vector<VirtualLight>& lights,
                                          Span<const float> ranges, const PointCloud& cloud,
                                          std::uint64_t key)
-    : depths_(new float[lights.size() * kTexels]) {  // not set here: each map is where it is drawn
+    : depths_(new float[lights.size() * kTexels]) {  // not set here: each map is set where it is
+                                                     // drawn
     std::vector<std::uint64_t> splatted(lights.size(), 0);
     for_each_block(lights.size(), 16, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {

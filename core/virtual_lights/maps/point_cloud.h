@@ -15,26 +15,27 @@ namespace lightcull {
 /// A piece of a surface that casts shadows into imperfect shadow maps.
 struct CloudPoint {
     V3f position;
-    V3f normal;    ///< unit length, on the side where the triangle's corners run anticlockwise
-    float radius;  ///< of a disk of the area that the point stands for if all of a part are used
+    V3f normal;  ///< normal on the side where the triangle's corners run anticlockwise, unit length
+    float radius;  ///< radius of a disk of the area that the point stands for if all of a part are
+                   ///< used
 };
 
 /// Points spread over all triangles of a scene evenly by area, in parts of which each is spread
 /// evenly by itself.
 class PointCloud {
   public:
-    /// Without points.
+    /// Makes a cloud without points.
     PointCloud() = default;
-    /// `parts` parts of `per_part` points, both above 0; none without triangles. key: of the random
-    /// numbers. Runs in the caller's TBB arena.
+    /// Makes `parts` parts of `per_part` points, both above 0; none without triangles. key: key of
+    /// the random numbers. Runs in the caller's TBB arena.
     PointCloud(const SceneData& scene, std::uint32_t parts, std::uint32_t per_part,
                std::uint64_t key);
 
     std::size_t part_count() const noexcept { return parts_.size(); }
     const std::vector<CloudPoint>& part(std::size_t i) const noexcept { return parts_[i].points; }
 
-    /// Calls visit(point) for those of a part in the cube about a place whose edge is twice
-    /// `reach`, which may be infinite.
+    /// Calls visit(point) for the points of a part that lie in the cube about a place whose edge is
+    /// twice `reach`, which may be infinite.
     template <typename Visit>
     void for_near(std::size_t part, const V3f& place, float reach, Visit&& visit) const {
         constexpr float kFarthest = 1e30f;  // farther than any place of a scene
@@ -44,7 +45,7 @@ class PointCloud {
                                           [&](std::uint32_t i) { visit(parts_[part].points[i]); });
     }
 
-    /// Bytes.
+    /// The memory that the cloud takes, bytes.
     std::size_t memory_size() const noexcept {
         std::size_t sum = 0;
         for (const Part& part : parts_) sum += size_of(part.points) + part.tree.memory_size();
@@ -53,7 +54,7 @@ class PointCloud {
 
   private:
     struct Part {
-        std::vector<CloudPoint> points;  // along a Morton curve
+        std::vector<CloudPoint> points;  // points along a Morton curve
         BoxTree tree;
     };
 

@@ -9,7 +9,7 @@
 namespace lightcull {
 namespace {
 
-/// Uniform over the directions at a cosine of `least` and more to the axis.
+/// A direction uniform over those at a cosine of `least` and more to the axis.
 V3f uniform_cone(const V3f& axis, float least, const V2f& u) noexcept {
     const V2f disk = uniform_disk(u);
     const float height = (1.0f - least) * disk.dot(disk);  // 1 - cosine
@@ -49,7 +49,8 @@ double power(const Emitter& emitter, const Light& light) noexcept {
     return light.two_sided ? 2.0 * of_unit : of_unit;
 }
 
-/// What the environment gives per area that faces each direction in turn, by luminance, W/m^2.
+/// The flux that the environment gives per area that faces each direction in turn, by luminance,
+/// W/m^2.
 double irradiance(const EnvironmentMap& environment) noexcept {
     constexpr int kSamples = 256;
     double sum = 0.0;

@@ -19,20 +19,21 @@ class EmissionTable {
     /// The scene must outlive it.
     explicit EmissionTable(const SceneData& scene);
 
-    /// Nothing emits.
+    /// True if nothing emits.
     bool empty() const noexcept { return table_.empty(); }
-    /// One ray, with all flux of the scene in the mean. Not of an empty one.
+    /// A ray, which carries all flux of the scene in the mean. The table must not be empty.
     LightRay sample(const PathRandom& random) const noexcept;
 
-    /// A ray of the environment, which there must be, with all its flux in the mean: through a disk
-    /// that hides the sphere around the scene, equal areas of the unit square to equal areas of it.
+    /// A ray of the environment, which there must be, with all its flux in the mean: it goes
+    /// through a disk that hides the sphere around the scene, and equal areas of the unit square go
+    /// to equal areas of the disk.
     LightRay environment_ray(const PathRandom& random, const V2f& u) const noexcept;
 
   private:
     const SceneData& scene_;
-    V3f center_{0.0f};  // of a sphere around all geometry
+    V3f center_{0.0f};  // centre of a sphere around all geometry
     float radius_ = 0.0f;
-    AliasTable table_;  // the emitters, then the environment
+    AliasTable table_;  // emitters, then the environment
 };
 
 /// A ray of a spot: u in the unit square goes to its cone, equal areas to equal solid angles.

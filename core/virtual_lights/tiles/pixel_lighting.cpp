@@ -25,7 +25,7 @@ void PixelLighting::add_all(std::size_t pixel, const PreparedLights::List& list)
         const std::size_t count = std::min(list.size() - begin, kTogether);
         const float *x = list.x.data() + begin, *y = list.y.data() + begin,
                     *z = list.z.data() + begin, *farthest2 = list.farthest2.data() + begin;
-        // Without branches, for the compiler to make vectors of.
+        // The loop has no branches, so that the compiler makes vectors of it.
         for (std::size_t i = 0; i < count; ++i) {
             const float dx = x[i] - at.x, dy = y[i] - at.y, dz = z[i] - at.z;
             const float distance2 = dx * dx + dy * dy + dz * dz;

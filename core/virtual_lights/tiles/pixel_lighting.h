@@ -13,28 +13,29 @@
 
 namespace lightcull {
 
-/// What the lights of a pass are to every pixel.
+/// The lights of a pass, with all that is the same for every pixel.
 struct PassLights {
     const LightingPass& pass;
     const PreparedLights& lights;
     const Acceptance& acceptance;
-    const ImperfectShadowMaps* maps;  ///< null without
-    float nearest2;                   ///< nearest_distance2()
+    const ImperfectShadowMaps* maps;  ///< shadow maps; null without
+    float nearest2;                   ///< square of a distance: nearest_distance2()
 
-    /// The subset of the lights that a pixel has: each one of a square another, and another one in
-    /// each pass.
+    /// The subset of the lights that a pixel has: each pixel of a square has another, and another
+    /// one in each pass.
     std::uint32_t subset_of(std::uint32_t x, std::uint32_t y) const noexcept;
 };
 
-/// Lights pixels, one light at a time. For one thread.
+/// Lights pixels, one light at a time. An object is for one thread.
 class PixelLighting {
   public:
     PixelLighting(const PassLights& lights, Span<V3f> pixels)
         : of_pass_(lights), scale_(static_cast<float>(lights.lights.subsets())), pixels_(pixels) {}
 
-    /// The same as add() of all lights of a list.
+    /// Adds all lights of a list, as add() does.
     void add_all(std::size_t pixel, const PreparedLights::List& list);
-    /// Adds what a listed light gives a pixel that shows a surface, but for what waits for a ray.
+    /// Adds the light that a listed light gives a pixel that shows a surface, but for what waits
+    /// for a ray.
     void add(std::size_t pixel, const PreparedLights::Listed& listed) {
         const V3f way = listed.position - of_pass_.pass.view.surfaces[pixel].position;
         const float distance2 = way.dot(way);
@@ -42,7 +43,7 @@ class PixelLighting {
             add_near(pixel, listed.index, way, distance2);
         }
     }
-    /// Adds what shadow rays let through. Between one pixel and the next.
+    /// Adds the light that shadow rays let through. It is called between one pixel and the next.
     void finish(std::size_t pixel);
 
     /// Notes how many lights a pixel has listed.

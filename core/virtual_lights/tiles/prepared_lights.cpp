@@ -11,7 +11,8 @@ namespace {
 
 constexpr std::size_t kBlock = 4096;
 
-/// Squares of ranges in octaves: of a float's exponents, some of which share a class.
+/// The number of classes of ranges. A class is an octave of squares of ranges: an exponent of a
+/// float, some of which share a class.
 constexpr std::uint32_t kClasses = 256;
 std::uint32_t class_of(float range2) noexcept {
     const int octave = std::ilogb(std::max(range2, std::numeric_limits<float>::min()));
@@ -46,7 +47,7 @@ void PreparedLights::order(const std::vector<VirtualLight>& lights, const Accept
     const std::size_t size = lights.size();
     std::vector<Acceptance::OfLight> of_light(size);
     std::vector<float> farthest2(size);
-    std::vector<std::uint32_t> places(size);  // the class first
+    std::vector<std::uint32_t> places(size);  // at first, the lights' classes
     for_each_block(size, kBlock, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             of_light[i] = acceptance.of_light(lights[i], static_cast<std::uint32_t>(i));

@@ -12,12 +12,13 @@
 
 namespace lightcull {
 
-/// The lights of a pass, and what of them does not depend on the pixel. Those of a subset, every
-/// count-th, lie together, and of them those of like ranges, neighbours side by side: so the lights
-/// of a tile are found without a look at all others.
+/// The lights of a pass, and the numbers about them that do not depend on the pixel. The lights of
+/// a subset, every count-th, lie together, and among them the lights of like ranges, neighbours
+/// side by side: so the lights of a tile are found without a look at all others.
 class PreparedLights {
   public:
-    /// Lights that lie near each other should follow each other. Runs in the caller's TBB arena.
+    /// Prepares lights. Those that lie near each other should follow each other. Runs in the
+    /// caller's TBB arena.
     PreparedLights(const std::vector<VirtualLight>& lights, const Acceptance& acceptance,
                    BoundingVolume volume, const CameraRays& camera, std::uint32_t subsets);
 
@@ -26,18 +27,18 @@ class PreparedLights {
     const Acceptance::OfLight& of_light(std::size_t i) const noexcept { return of_light_[i]; }
     const std::vector<VirtualLight>& all() const noexcept { return lights_; }
 
-    /// A light, and where it may count: nowhere farther from it.
+    /// A light, and a distance from it beyond which it counts nowhere.
     struct Listed {
         V3f position;
-        float farthest2;  ///< a distance, squared
+        float farthest2;  ///< square of that distance
         std::uint32_t index;
     };
     Listed listed(std::size_t i) const noexcept {
         return {lights_[i].position, farthest2_[i], static_cast<std::uint32_t>(i)};
     }
-    /// Encloses where a light may count; only where there are ranges.
+    /// The box that encloses the places where a light may count; only where there are ranges.
     const AlignedBox& box(std::size_t i) const noexcept { return boxes_[i]; }
-    /// The number of the first light of a subset, or behind the last one's last.
+    /// The number of the first light of a subset, or the number behind the last subset's last.
     std::size_t begin(std::uint32_t subset) const noexcept { return begins_[subset]; }
 
     /// Lights as Listed, one array per quantity: a place is compared with many of them at a time.
@@ -56,14 +57,14 @@ class PreparedLights {
     void order(const std::vector<VirtualLight>& lights, const Acceptance& acceptance,
                std::uint32_t subsets);
 
-    std::vector<std::size_t> begins_;  // of the subsets, and the end
+    std::vector<std::size_t> begins_;  // first light of each subset, and the end
     std::vector<VirtualLight> lights_;
     std::vector<Acceptance::OfLight> of_light_;
     std::vector<float> farthest2_;
-    // Empty where all lights count everywhere:
+    // Members that are empty where all lights count everywhere:
     std::vector<VolumeInView> volumes_;
     std::vector<AlignedBox> boxes_;
-    std::vector<BoxTree> trees_;  // by subset
+    std::vector<BoxTree> trees_;  // box trees, by subset
 };
 
 }  // namespace lightcull

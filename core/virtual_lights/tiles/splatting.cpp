@@ -9,10 +9,10 @@
 namespace lightcull {
 namespace {
 
-/// Rows of pixels that one task lights.
+/// The number of rows of pixels that one task lights.
 constexpr std::uint32_t kBand = 16;
 
-/// Columns and rows of pixels; the ends are outside.
+/// A rectangle of columns and rows of pixels; the ends are outside.
 struct Rectangle {
     std::uint32_t x0, x1, y0, y1;
 };
@@ -27,12 +27,12 @@ class Lines {
         low_[line] = std::min(low_[line], tangent);
         high_[line] = std::max(high_[line], tangent);
     }
-    /// After all add(): makes both bounds grow from line to line.
+    /// Makes both bounds grow from line to line. It is called after all add().
     void finish() {
         for (std::size_t i = 1; i < high_.size(); ++i) high_[i] = std::max(high_[i], high_[i - 1]);
         for (std::size_t i = low_.size() - 1; i-- > 0;) low_[i] = std::min(low_[i], low_[i + 1]);
     }
-    /// The first, and the one behind the last, that show something between two tangents.
+    /// The first line, and the one behind the last, that show something between two tangents.
     std::pair<std::uint32_t, std::uint32_t> between(float from, float to) const noexcept {
         const auto first = std::lower_bound(high_.begin(), high_.end(), from) - high_.begin();
         const auto end = std::upper_bound(low_.begin(), low_.end(), to) - low_.begin();
@@ -134,9 +134,9 @@ class Splatting {
     const PreparedLights& lights_;
     std::uint32_t step_;
     Span<V3f> pixels_;
-    std::vector<Rectangle> rectangles_;  // by light
+    std::vector<Rectangle> rectangles_;  // rectangles, by light
     std::vector<std::pair<std::uint32_t, std::uint32_t>>
-        places_;  // of a subset's pixels in a square
+        places_;  // places of a subset's pixels in a square
 };
 
 }  // namespace

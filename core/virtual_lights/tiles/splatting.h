@@ -6,8 +6,8 @@
 
 namespace lightcull {
 
-/// Adds to each pixel what the lights give it in whose rectangle it lies: for comparison with
-/// tiles. Without shadow rays. Runs in the caller's TBB arena.
+/// Adds to each pixel the light of the lights in whose rectangle it lies: for comparison with
+/// tiles. There are no shadow rays. Runs in the caller's TBB arena.
 LightingCounts splat_lights(const PassLights& lights, Span<V3f> pixels);
 
 }  // namespace lightcull

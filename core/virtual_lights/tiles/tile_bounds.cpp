@@ -6,7 +6,7 @@
 namespace lightcull {
 namespace {
 
-/// Of coordinates, for their rounding.
+/// A bound on the rounding of coordinates, relative to them.
 constexpr float kRounding = 0x1p-20f;
 
 V3f smaller(const V3f& a, const V3f& b) noexcept {
@@ -16,8 +16,8 @@ V3f larger(const V3f& a, const V3f& b) noexcept {
     return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)};
 }
 
-/// An interval, and how far a number lies outside it for sure, if the terms of both are at most
-/// `magnitude` large.
+/// An interval, and the distance by which a number lies outside it for sure, if the terms of both
+/// are at most `magnitude` large.
 struct Interval {
     float low, high;
 
@@ -27,7 +27,7 @@ struct Interval {
     float magnitude() const noexcept { return std::max(std::fabs(low), std::fabs(high)); }
 };
 
-/// All of factor * [low, high].
+/// The interval of all of factor * [low, high].
 Interval scaled(float factor, float low, float high) noexcept {
     const float a = factor * low, b = factor * high;
     return {std::min(a, b), std::max(a, b)};
@@ -78,7 +78,7 @@ VolumeInView::VolumeInView(const Spheroid& spheroid, const CameraRays& camera) n
       center_(camera.to_view(spheroid.center - camera.origin())),
       radius_(spheroid.half_length) {
     if (is_sphere_) return;
-    // S = 1 / radius + (1 / half_length - 1 / radius) axis axis^T.
+    // The stretch is S = 1 / radius + (1 / half_length - 1 / radius) axis axis^T.
     const V3f axis = camera.to_view(spheroid.axis);
     const float across = 1.0f / spheroid.radius;
     const float along = 1.0f / spheroid.half_length - across;
@@ -89,7 +89,7 @@ VolumeInView::VolumeInView(const Spheroid& spheroid, const CameraRays& camera) n
     const bool keeps_x = x.dot(x) > y.dot(y);
     const V3f right = keeps_x ? x.normalized() : y.cross(z).normalized();
     const V3f up = keeps_x ? z.cross(x).normalized() : y.normalized();
-    // S is symmetric.
+    // The matrix S is symmetric.
     matrix_ = {stretch(right), stretch(up), stretch(depth)};
     stretched_center_ =
         V3f(matrix_[0].dot(center_), matrix_[1].dot(center_), matrix_[2].dot(center_));

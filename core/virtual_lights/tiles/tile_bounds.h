@@ -14,7 +14,7 @@ namespace lightcull {
 /// The part of a tile's frustum that holds some points, in view space.
 struct FrustumPiece {
     V3f low{0.0f}, high{0.0f};                  ///< box around the points
-    V2f tangent_low{0.0f}, tangent_high{0.0f};  ///< x / z and y / z of the points
+    V2f tangent_low{0.0f}, tangent_high{0.0f};  ///< bounds of x / z and y / z of the points
     bool empty = true;
 
     void add(const V3f& point) noexcept;
@@ -25,7 +25,7 @@ struct FrustumPiece {
 /// 5.1), which are cut in the middle and then drawn together around their points.
 class TileBounds {
   public:
-    /// In view space, in front of the camera.
+    /// points: in view space, in front of the camera.
     explicit TileBounds(Span<const V3f> points) noexcept;
 
     static constexpr std::uint32_t kClusters = 2;
@@ -37,13 +37,13 @@ class TileBounds {
     std::array<FrustumPiece, kClusters> pieces_;
 };
 
-/// Encloses a volume, in view space.
+/// The box in view space that encloses a volume.
 AlignedBox box_in_view(const Spheroid& spheroid, const CameraRays& camera) noexcept;
 
-/// A bounding volume as tiles are tested against it. A spheroid becomes the unit sphere by
-/// stretching space, which is then turned until planes of equal depth are level again: [TH17] Eqs.
-/// 16 and 17. There a box around the piece of the frustum is tested, after the sphere about the
-/// spheroid has been tested against the box of the piece's points.
+/// A bounding volume in the form in which tiles are tested against it. A spheroid becomes the unit
+/// sphere by stretching space, which is then turned until planes of equal depth are level again:
+/// [TH17] Eqs. 16 and 17. There a box around the piece of the frustum is tested, after the sphere
+/// about the spheroid has been tested against the box of the piece's points.
 class VolumeInView {
   public:
     VolumeInView() = default;
@@ -57,7 +57,7 @@ class VolumeInView {
 
     bool is_sphere_ = true;
     V3f center_{0.0f};
-    float radius_ = 0.0f;  // of the sphere about it all
+    float radius_ = 0.0f;  // radius of the sphere about it all
     V3f stretched_center_{0.0f};
     std::array<V3f, 3> matrix_;  // B S, by rows
 };

@@ -21,7 +21,7 @@
 namespace lightcull {
 namespace {
 
-/// Pixels of one tile of a sub-image: every `step`-th of every `step`-th row.
+/// The pixels of one tile of a sub-image: every `step`-th of every `step`-th row.
 struct SubTile {
     std::uint32_t x0, y0, step, edge;  // edge: in pixels of the sub-image
 
@@ -49,7 +49,7 @@ std::vector<SubTile> sub_tiles(const CameraView& view, std::uint32_t step, std::
     return tiles;
 }
 
-/// The pixels of a tile, each by the lights that are listed for its part of the tile.
+/// Lights the pixels of a tile, each by the lights that are listed for its part of the tile.
 LightingCounts light_tile(const PassLights& lights, const SubTile& tile, Span<V3f> pixels) {
     const CameraView& view = lights.pass.view;
     std::vector<V3f> points;

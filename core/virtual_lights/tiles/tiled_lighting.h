@@ -16,23 +16,23 @@
 
 namespace lightcull {
 
-/// What all methods need to know of a pass.
+/// The data that all methods need to know of a pass.
 struct LightingPass {
     const RayTracer& tracer;
     const CameraRays& camera;
     const CameraView& view;
     const VirtualLightOptions& options;
-    std::uint64_t key;                  ///< of its random numbers
+    std::uint64_t key;                  ///< key of the pass's random numbers
     const std::atomic<bool>* cancel;    ///< may be null
-    const PointCloud* cloud = nullptr;  ///< of shadows by maps, else not needed
-    Span<LightsOfPixel> of_pixels{};    ///< counted up, not of kGrid; may be empty
+    const PointCloud* cloud = nullptr;  ///< points for shadows by maps, else not needed
+    Span<LightsOfPixel> of_pixels{};  ///< counts that are increased, but not by kGrid; may be empty
 
     bool cancelled() const noexcept {
         return cancel != nullptr && cancel->load(std::memory_order_relaxed);
     }
 };
 
-/// As VirtualLightStats.
+/// The counts that VirtualLightStats documents.
 struct LightingCounts {
     std::uint64_t listed = 0, accepted = 0, shadow_rays = 0, map_points = 0;
     double build_seconds = 0.0;
@@ -45,7 +45,8 @@ struct LightingCounts {
     }
 };
 
-/// The square of the distance within which light falls off no more, as VirtualLightRenderer says.
+/// The square of the distance within which light falls off no more, which VirtualLightRenderer
+/// documents.
 float nearest_distance2(const std::vector<VirtualLight>& lights) noexcept;
 
 /// Adds to each pixel the light of virtual lights that its surface sends to the camera: stochastic

@@ -11,9 +11,10 @@ namespace lightcull {
 namespace {
 
 constexpr int kLevels = 4;
-/// Of the cubic B-spline, from the middle on.
+/// The weights of the cubic B-spline, from the middle on.
 constexpr float kKernel[] = {3.0f / 8.0f, 1.0f / 4.0f, 1.0f / 16.0f};
-/// How much two numbers differ that lie across an edge, at the first level; then half of it each.
+/// The difference of two numbers that lie across an edge, at the first level; each further level
+/// takes half of it.
 constexpr float kEdge = 1.0f;
 
 class Level {

@@ -11,19 +11,19 @@
 
 namespace lightcull {
 
-/// What one camera ray per pixel meets, row by row.
+/// The surfaces that one camera ray per pixel meets, row by row.
 struct CameraView {
     std::uint32_t width = 0, height = 0;
     std::vector<std::uint8_t> hit;  ///< 1 where there is a surface
     std::vector<Surface> surfaces;
-    std::vector<V3f> view_positions;  ///< to the right, up and forward of the camera
+    std::vector<V3f> view_positions;  ///< positions to the right, up and forward of the camera
 
     std::size_t index(std::uint32_t x, std::uint32_t y) const noexcept {
         return std::size_t{y} * width + x;
     }
 };
 
-/// By the rays of a pass of the path tracer. Runs in the caller's TBB arena.
+/// Traces the view by the rays of a pass of the path tracer. Runs in the caller's TBB arena.
 CameraView trace_camera_view(const SceneData& scene, const RenderSettings& settings,
                              const PassRays& camera_rays);
 

@@ -8,8 +8,8 @@
 
 namespace lightcull {
 
-/// Each pixel becomes a mean over the 17 x 17 about it, of those whose surfaces lie in about the
-/// same plane ([TH16] section 4.2, [TH17] section 6). What the surfaces reflect is divided out
+/// Makes each pixel a mean over the 17 x 17 about it, of those whose surfaces lie in about the same
+/// plane ([TH16] section 4.2, [TH17] section 6). The reflectance of the surfaces is divided out
 /// before and multiplied in again. Runs in the caller's TBB arena.
 void filter_cross_bilateral(const CameraView& view, Span<V3f> pixels);
 

@@ -9,29 +9,29 @@
 
 namespace lightcull {
 
-/// Decides which virtual lights count at a point, and by how much more for those that do not:
-/// Russian roulette by [TH17] Eqs. 2 and 3, constant ranges, or all of them.
+/// Decides which virtual lights count at a point, and by how much more to make up for those that do
+/// not: Russian roulette by [TH17] Eqs. 2 and 3, constant ranges, or all of them.
 class Acceptance {
   public:
-    /// ranges: of the pass; not used by kAll.
+    /// ranges: those of the pass; not used by kAll.
     Acceptance(VirtualLightMethod method, const RandomRanges& ranges)
         : method_(method), ranges_(ranges) {}
 
-    /// What does not depend on the point.
+    /// The numbers of a light that do not depend on the point.
     struct OfLight {
         float inverse_xi;
-        float limit;  ///< of kClamped: its range squared
+        float limit;  ///< square of its range, for kClamped
     };
     OfLight of_light(const VirtualLight& light, std::uint32_t index) const noexcept {
         return {1.0f / ranges_.xi(index, 0), ranges_.limit(intensity_bound(light))};
     }
 
-    /// Whether some lights count at some points alone.
+    /// True if some lights count only at some points.
     bool has_ranges() const noexcept {
         return method_ == VirtualLightMethod::kCulled || method_ == VirtualLightMethod::kClamped;
     }
 
-    /// Encloses the points where the light counts, if any has_ranges().
+    /// A volume that encloses the points where the light counts, if has_ranges().
     Spheroid volume(const VirtualLight& light, const OfLight& of_light,
                     BoundingVolume kind) const noexcept {
         if (method_ == VirtualLightMethod::kClamped) kind = BoundingVolume::kSphereAtLight;
@@ -45,7 +45,8 @@ class Acceptance {
         return range * range;
     }
 
-    /// 1 / p where the light counts, else 0. intensity: towards the point, by luminance, above 0.
+    /// The factor 1 / p where the light counts, else 0. intensity: towards the point, by luminance,
+    /// above 0.
     float weight(const OfLight& light, float intensity, float distance) const noexcept {
         switch (method_) {
             case VirtualLightMethod::kClamped:

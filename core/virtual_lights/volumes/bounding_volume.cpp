@@ -6,18 +6,19 @@
 namespace lightcull {
 namespace {
 
-/// For the rounding of an intensity, which with a narrow lobe grows by that of its half vector.
+/// A margin for the rounding of an intensity, which with a narrow lobe grows by that of its half
+/// vector.
 constexpr float kMargin = 1.001f;
-/// Of the longer axis, for the rounding of the centre.
+/// A margin of the longer axis, for the rounding of the centre.
 constexpr float kEndMargin = 1.0f + 0x1p-18f;
 
-/// Farther than any two places of a scene are apart; its square is finite.
+/// A length greater than that between any two places of a scene; its square is finite.
 constexpr float kFarthest = 4e15f;
 
-/// A glossy light's intensity is this times GGX's D at half the angle from the mirror direction, at
-/// most: [TH17] Eqs. 9 and 11. Its masking at the outgoing side, divided by 2, is at most 1/2; its
-/// Fresnel term is largest on the horizon opposite, which the half vector sees at the angle of
-/// (pi / 2 + theta_i) / 2.
+/// A bound: a glossy light's intensity is this times GGX's D at half the angle from the mirror
+/// direction, at most: [TH17] Eqs. 9 and 11. Its masking at the outgoing side, divided by 2, is at
+/// most 1/2; its Fresnel term is largest on the horizon opposite, which the half vector sees at the
+/// angle of (pi / 2 + theta_i) / 2.
 float lobe_bound(const VirtualLight& light) noexcept {
     const float cosine = light.normal.dot(light.incoming);
     const float sine = std::sqrt(std::max(0.0f, 1.0f - cosine * cosine));
@@ -53,7 +54,7 @@ Spheroid bounding_volume(const VirtualLight& light, float scale, BoundingVolume 
     }
     if (light.lobe != Lobe::kGlossy) return offset_sphere(light, range);
 
-    // [TH17] Eqs. 12 to 15: its r is alpha times the largest range.
+    // The spheroid is that of [TH17] Eqs. 12 to 15: its r is alpha times the largest range.
     const float a2 = light.alpha * light.alpha;
     const V3f axis = mirrored(light);
     const float half_length = 0.5f * (1.0f + a2) * range * kEndMargin;

@@ -7,22 +7,23 @@
 
 namespace lightcull {
 
-/// With rotational symmetry about `axis`; a sphere where half_length equals radius.
+/// A spheroid with rotational symmetry about `axis`; a sphere where half_length equals radius.
 struct Spheroid {
     V3f center;
     V3f axis;           ///< unit length
-    float half_length;  ///< along the axis, metres
-    float radius;       ///< across it, metres; half_length at most
+    float half_length;  ///< half of its length along the axis, metres
+    float radius;       ///< radius across the axis, metres; half_length at most
 };
 
-/// Where a perfect mirror in place of the light's surface would send the light.
+/// The direction into which a perfect mirror in place of the light's surface would send the light.
 V3f mirrored(const VirtualLight& light) noexcept;
 
-/// No direction gets more, W/sr by luminance.
+/// A bound on the intensity in any direction, W/sr by luminance.
 float intensity_bound(const VirtualLight& light) noexcept;
 
-/// Encloses every place at which scale * intensity(direction to it) reaches distance^2, intensity
-/// by luminance; scale: m^2 sr / W, which for random ranges is reach / xi ([TH17] Eq. 5).
+/// The volume that encloses every place at which scale * intensity(direction to it) reaches
+/// distance^2, intensity by luminance; scale: m^2 sr / W, which for random ranges is reach / xi
+/// ([TH17] Eq. 5).
 Spheroid bounding_volume(const VirtualLight& light, float scale, BoundingVolume kind) noexcept;
 
 }  // namespace lightcull

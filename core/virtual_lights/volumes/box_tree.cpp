@@ -23,7 +23,7 @@ BoxTree::BoxTree(Span<const AlignedBox> boxes) {
     }
 }
 
-/// Without children.
+/// Makes a node without children.
 BoxTree::Node::Node() noexcept {
     for (std::size_t axis = 0; axis < 3; ++axis) {
         low[axis].fill(std::numeric_limits<float>::infinity());

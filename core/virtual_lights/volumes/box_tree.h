@@ -17,9 +17,9 @@ struct AlignedBox {
     V3f low{0.0f}, high{0.0f};
 };
 
-/// Finds, of many boxes, those that overlap another. 16 of them, in the order in
-/// which they are given, make a node, 16 nodes the next one; what is given near each other should
-/// lie near each other and be of a size.
+/// Finds, of many boxes, those that overlap another. 16 of them, in the order in which they are
+/// given, make a node, 16 nodes the next one; boxes that are given near each other should lie near
+/// each other and be of a size.
 class BoxTree {
   public:
     BoxTree() = default;
@@ -31,7 +31,7 @@ class BoxTree {
         if (!levels_.empty()) descend(levels_.size() - 1, 0, with, visit);
     }
 
-    /// Bytes.
+    /// The memory that the tree takes, bytes.
     std::size_t memory_size() const noexcept {
         std::size_t sum = 0;
         for (const std::vector<Node>& level : levels_) sum += size_of(level);
@@ -48,7 +48,7 @@ class BoxTree {
         Node() noexcept;
         void set(std::size_t child, const AlignedBox& box) noexcept;
         AlignedBox bounds() const noexcept;
-        /// Bit by child.
+        /// A mask with a bit for each child that overlaps the box.
         std::uint32_t overlaps(const AlignedBox& box) const noexcept;
     };
 
@@ -65,7 +65,7 @@ class BoxTree {
         }
     }
 
-    std::vector<std::vector<Node>> levels_;  // those of the boxes first, the root last
+    std::vector<std::vector<Node>> levels_;  // nodes over the boxes first, the root last
 };
 
 }  // namespace lightcull

@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::uint32_t kPoints = 128;
 
-/// Whether the light shines at a point, above the point's horizon.
+/// True if the light shines at a point, above the point's horizon.
 bool reaches(const VirtualLight& light, const Receiver& receiver) noexcept {
     const V3f way = light.position - to_v3f(receiver.position);
     const V3f normal = to_v3f(receiver.normal);
