@@ -24,12 +24,12 @@ class AliasTable {
     std::uint32_t sample(double u) const noexcept;
     /// The probability with which sample() yields i: weight i / sum of weights.
     float prob(std::uint32_t i) const noexcept { return entries_[i].prob; }
-    /// Bytes.
+    /// The memory that the table takes, bytes.
     std::size_t memory_size() const noexcept { return entries_.size() * sizeof(Entry); }
 
   private:
     struct Entry {
-        float threshold;  ///< stay with this entry below it
+        float threshold;  ///< number below which a draw stays with this entry
         std::uint32_t alias;
         float prob;
     };
@@ -59,7 +59,7 @@ inline AliasTable::AliasTable(Span<const double> weights) : entries_(weights.siz
             small.push_back(rich);
         }
     }
-    // Rounding leaves entries of weight about 1 over; one of weight 0 must not be among them.
+    // Rounding leaves entries of weight about 1 over; an entry of weight 0 must not be among them.
     const std::uint32_t heaviest = static_cast<std::uint32_t>(
         std::max_element(weights.begin(), weights.end()) - weights.begin());
     for (const std::uint32_t i : small) {

@@ -12,10 +12,10 @@
 
 namespace lightcull {
 
-/// "name:key=value:key=value", taken apart. Every option has to be taken by someone.
+/// A description "name:key=value:key=value", taken apart. Every option has to be taken by someone.
 class Description {
   public:
-    /// kind: what it describes, for messages.
+    /// kind: what the text describes, for messages.
     Description(std::string_view kind, std::string_view text) : kind_(kind), text_(text) {
         std::size_t begin = text.find(':');
         name = text.substr(0, begin);
@@ -52,7 +52,7 @@ class Description {
         if (value) number = parse<Number>(key, *value);
         return value.has_value();
     }
-    /// `chosen` becomes whether the value is `yes`, which or `no` it has to be.
+    /// Sets `chosen` to true for the value `yes`, and to false for `no`; other values are errors.
     void take_choice(std::string_view key, std::string_view yes, std::string_view no,
                      bool& chosen) {
         const auto value = take(key);

@@ -5,7 +5,7 @@
 
 namespace lightcull {
 
-/// Bytes of a vector's elements.
+/// The bytes of a vector's elements.
 template <typename T>
 std::size_t size_of(const std::vector<T>& vector) noexcept {
     return vector.size() * sizeof(T);

@@ -5,7 +5,7 @@
 namespace lightcull {
 
 /// The place of a cell on a Morton curve through a grid of 1024 cells a side: the bits of x, y and
-/// z in turn. Each is below 1024.
+/// z in turn. Each of x, y and z is below 1024.
 constexpr std::uint32_t morton_code(std::uint32_t x, std::uint32_t y, std::uint32_t z) noexcept {
     const auto spread = [](std::uint32_t bits) {
         bits = (bits | (bits << 16)) & 0x030000ffu;

@@ -9,17 +9,17 @@
 
 namespace lightcull {
 
-/// Sorts keys whose upper halves are below 2^(10 kDigits), and that are in order already among
-/// those with equal upper halves. `scratch` has room for as many and does not overlap them. Returns
-/// whichever of the two has the result, `keys` if kDigits is even; what is left in the other means
-/// nothing.
+/// Sorts keys whose upper halves are below 2^(10 kDigits), and that are in order already where
+/// their upper halves are equal. `scratch` has room for as many and does not overlap them. Returns
+/// whichever of the two has the result, `keys` if kDigits is even; the numbers left in the other
+/// mean nothing.
 template <std::size_t kDigits>
 std::uint64_t* sort_keys(std::uint64_t* keys, std::uint64_t* scratch, std::size_t count) noexcept {
     constexpr std::size_t kDigitBits = 10, kBuckets = std::size_t{1} << kDigitBits;
     const auto digit_of = [](std::uint64_t key, std::size_t digit) {
         return static_cast<std::size_t>(key >> (32 + digit * kDigitBits)) & (kBuckets - 1);
     };
-    constexpr std::size_t kFew = 192;  // for which the buckets would cost more than they save
+    constexpr std::size_t kFew = 192;  // with fewer keys the buckets would cost more than they save
     if (count < kFew) {
         std::sort(keys, keys + count);
         return keys;

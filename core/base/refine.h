@@ -16,8 +16,8 @@ inline std::uint32_t float_bits(float value) noexcept {
     return bits;
 }
 
-/// u with more digits, in [0, 1). A float has 24 bits, too few to tell a million lights apart
-/// evenly; the ones that are missing come from a hash of u and the point.
+/// The number u with more digits, in [0, 1). A float has 24 bits, too few to tell a million lights
+/// apart evenly; the missing ones come from a hash of u and the point.
 inline double refine(float u, const ShadingPoint& point) noexcept {
     const std::uint64_t xy =
         (std::uint64_t{float_bits(point.position.x)} << 32) | float_bits(point.position.y);

@@ -15,15 +15,16 @@ class Reservoir {
     static constexpr std::uint32_t kStride = 0x9e3779b9u;
     static constexpr float kBelowOne = 1.0f - 0x1p-23f;
 
-    /// u in [0, 1): decides everything.
+    /// u in [0, 1): it decides everything.
     explicit Reservoir(float u) noexcept : u_bits_(float_bits(u)) {}
 
-    /// weight > 0 and finite. Of the light that is chosen in the end, numerator / weight_sum() is
-    /// the probability.
+    /// Adds a light. weight: > 0 and finite. The probability of the light that is chosen in the end
+    /// is numerator / weight_sum().
     void add(std::uint32_t light, float numerator, float weight) noexcept {
         weight_sum_ += weight;
         const std::uint32_t bits = scramble(u_bits_ ^ (light * kStride));
-        // Below 1, so that the first is taken; fine near 0, where the lightest are.
+        // The number is below 1, so that the first is taken, and fine near 0, where the lightest
+        // are.
         const float random = std::min(static_cast<float>(bits) * 0x1p-32f, kBelowOne);
         if (random * weight_sum_ < weight) {
             light_ = light;
@@ -31,7 +32,7 @@ class Reservoir {
         }
     }
 
-    /// Whether there was any candidate.
+    /// True if there was any candidate.
     bool chosen() const noexcept { return weight_sum_ > 0.0f; }
     std::uint32_t light() const noexcept { return light_; }
     float weight_sum() const noexcept { return weight_sum_; }

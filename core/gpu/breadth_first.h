@@ -13,14 +13,15 @@ namespace lightcull {
 struct BreadthFirst {
     struct Entry {
         std::uint32_t node;   ///< the i-th node
-        std::uint32_t place;  ///< of node i
+        std::uint32_t place;  ///< place of node i
     };
     static_assert(sizeof(Entry) == 8 && offsetof(Entry, place) == 4);
 
     explicit BreadthFirst(const SphereTree& tree);
 
     std::vector<Entry> entries;
-    std::vector<std::uint32_t> levels;  ///< where each begins, and where the last one ends
+    std::vector<std::uint32_t> levels;  ///< place where each level begins, and where the last one
+                                        ///< ends
 };
 
 }  // namespace lightcull

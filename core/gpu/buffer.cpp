@@ -33,7 +33,7 @@ Buffer::Buffer(const Device& device, const std::string& what, std::size_t bytes)
       memory_(allocate(device, buffer_, what, Memory::eDeviceLocal, {})) {
 }
 
-// Cached if there is such, as reading what is not is slow.
+// The memory is cached if there is such, as reading what is not is slow.
 StagingBuffer::StagingBuffer(const Device& device, std::size_t bytes)
     : size_(bytes),
       buffer_(make_buffer(device, bytes)),

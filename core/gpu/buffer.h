@@ -12,7 +12,7 @@ namespace lightcull {
 /// Memory of a device, for storage buffers of shaders.
 class Buffer {
   public:
-    /// Throws Error that names `what` if there is not so much. bytes > 0.
+    /// Throws Error that names `what` if there is not so much memory. bytes > 0.
     Buffer(const Device& device, const std::string& what, std::size_t bytes);
 
     vk::Buffer get() const noexcept { return *buffer_; }
@@ -24,7 +24,7 @@ class Buffer {
     vk::raii::DeviceMemory memory_;
 };
 
-/// Memory that both sides see, through which everything goes.
+/// Memory that the device and the host both see, through which everything goes.
 class StagingBuffer {
   public:
     /// bytes > 0. Throws Error.

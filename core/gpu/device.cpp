@@ -40,9 +40,9 @@ std::optional<std::uint32_t> compute_queue_family(const vk::raii::PhysicalDevice
     return std::nullopt;
 }
 
-/// Why a device cannot be used; empty if it can.
+/// The reason why a device cannot be used; empty if it can.
 std::string problem_of(const vk::raii::PhysicalDevice& device) {
-    constexpr std::uint32_t kBuffers = 8;  // of a shader
+    constexpr std::uint32_t kBuffers = 8;  // storage buffers of a shader
     const vk::PhysicalDeviceFeatures features = device.getFeatures();
     const vk::PhysicalDeviceProperties properties = device.getProperties();
     if (properties.apiVersion < kApiVersion) return "older than Vulkan 1.1";
@@ -68,7 +68,7 @@ int rank_of(const vk::raii::PhysicalDevice& device) {
     }
 }
 
-/// Best first; at least one.
+/// The devices, best first; at least one.
 std::vector<vk::raii::PhysicalDevice> devices_of(const vk::raii::Instance& instance) try {
     std::vector<vk::raii::PhysicalDevice> devices;
     for (vk::raii::PhysicalDevice& device : vk::raii::PhysicalDevices(instance)) {
@@ -86,7 +86,7 @@ std::string name_of(const vk::raii::PhysicalDevice& device) {
     return std::string(std::string_view(device.getProperties().deviceName));
 }
 
-/// The first whose name holds `part`, and which can be used if any of them can.
+/// The first device whose name holds `part`, and which can be used if any of them can.
 vk::raii::PhysicalDevice choose(const vk::raii::Instance& instance, const std::string& part) {
     std::string known, problems;
     for (vk::raii::PhysicalDevice& device : devices_of(instance)) {
@@ -215,7 +215,7 @@ bool Device::is_idle_within(double seconds) noexcept {
     try {
         return finishes_within(seconds);
     } catch (const vk::Error&) {
-        return true;  // lost: nothing is at work any more
+        return true;  // it is lost: nothing is at work any more
     }
 }
 

@@ -16,13 +16,14 @@ static_assert(sizeof(lightcull::ShadingPoint) == 52);
 namespace lightcull {
 namespace {
 
-/// Points that are handed over together: enough to keep a large GPU busy.
+/// The number of points that are handed over together: enough to keep a large GPU busy.
 constexpr std::size_t kBatch = std::size_t{1} << 17;
-static_assert(kBatch / shaders::kPaperWorkgroup < 65'536);  // workgroups that any device takes
+static_assert(kBatch / shaders::kPaperWorkgroup < 65'536);  // any device takes so many workgroups
 constexpr std::size_t kBytesPerPoint =
     sizeof(ShadingPoint) + sizeof(float) + sizeof(shaders::Selected);
 
-/// First whether the node found first is read next, and how many words a walk keeps (walk.glsl).
+/// The constants of a walk: first whether the node found first is read next, and how many words a
+/// walk keeps (walk.glsl).
 std::vector<std::uint32_t> constants_of(const Chooser& chooser, const SphereTree& tree,
                                         std::uint32_t levels) {
     std::vector<std::uint32_t> constants;

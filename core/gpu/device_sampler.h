@@ -15,44 +15,46 @@
 namespace lightcull {
 
 /// A sampler on a device: the records of its scene as they lie, and what is done with them. All
-/// calls throw Error where the device fails; it is then of no more use. For one thread at a time.
+/// calls throw Error where the device fails; it is then of no more use. It is for one thread at a
+/// time.
 class DeviceSampler {
   public:
-    /// Waits for what the device is at, as after a timeout it may still be at some, but not for
-    /// longer than the timeout. What it does not let go of by then is never freed.
+    /// Ends a device's work: waits for it, as after a timeout the device may still be at some, but
+    /// not for longer than the timeout. Memory that the device does not let go of by then is never
+    /// freed.
     struct End {
         void operator()(DeviceSampler* sampler) const noexcept;
     };
     using Handle = std::unique_ptr<DeviceSampler, End>;
 
-    /// Of a tree that is not empty.
+    /// Makes a sampler over a tree that is not empty.
     static Handle make(const Frame& frame, const RangeTree& tree, const Chooser& chooser,
                        const VulkanOptions& options);
 
-    /// The radii of all sets for the pass that the tree is in.
+    /// Computes the radii of all sets for the pass that the tree is in.
     void refit(const RandomRanges& ranges);
 
-    /// As the sampler does, but for the prob where a receipt's weight_sum is not above 0: there it
-    /// only says, by being above 0, whether a light was found.
+    /// Selects as the sampler does, but for the prob where a receipt's weight_sum is not above 0:
+    /// there it only says, by being above 0, whether a light was found.
     void select(Span<const ShadingPoint> points, Span<const float> u, Span<Selection> selections);
 
-    /// [set][node][slot], as RangeTree has them.
+    /// The radii, [set][node][slot], as RangeTree has them.
     std::vector<float> radii();
 
-    /// What is kept on the device, bytes.
+    /// The memory that is kept on the device, bytes.
     std::size_t memory_size() const noexcept;
 
   private:
-    /// Gives the device nothing to do.
+    /// Makes room, and gives the device nothing to do.
     DeviceSampler(const Frame& frame, const RangeTree& tree, const Chooser& chooser,
                   const BreadthFirst& breadth_first, const VulkanOptions& options);
 
-    /// What the constructor has made room for.
+    /// Uploads the data for which the constructor has made room.
     void upload(const RangeTree& tree, const Chooser& chooser, const BreadthFirst& breadth_first);
     void write(const Buffer& buffer, Span<const std::byte> bytes);
     void read(const Buffer& buffer, Span<std::byte> bytes);
 
-    /// At most kBatch points.
+    /// Selects for at most kBatch points.
     void select_some(Span<const ShadingPoint> points, Span<const float> u,
                      Span<Selection> selections);
 

@@ -12,7 +12,7 @@ namespace lightcull {
 /// A compute shader and the buffers that it works on.
 class Kernel {
   public:
-    /// code: SPIR-V. buffers: those of bindings 0 and following, which have to outlive it.
+    /// code: SPIR-V. buffers: those of bindings 0 and following, which have to outlive the kernel.
     /// constants: the specialization constants 0 and following. Throws Error.
     Kernel(const Device& device, Span<const std::uint32_t> code,
            const std::vector<const Buffer*>& buffers, std::size_t push_size,

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
-/// The shaders as SPIR-V, and what is pushed to them.
+/// The shaders as SPIR-V, and the constants that are pushed to them.
 
 namespace lightcull::shaders {
 
@@ -18,11 +18,12 @@ struct RefitJob {
 };
 static_assert(sizeof(RefitJob) == 20 && offsetof(RefitJob, node_count) == 12);
 
-/// `culled`, and `paper`. Invocations in a workgroup.
+/// The shader of `culled`, and below that of `paper`, with the number of invocations in a
+/// workgroup.
 Span<const std::uint32_t> select() noexcept;
 Span<const std::uint32_t> paper() noexcept;
 inline constexpr std::uint32_t kSelectWorkgroup = 64, kPaperWorkgroup = 32;
-/// Bytes, of the list of `paper` and its CDF.
+/// The size of an entry of the list of `paper` and its CDF, bytes.
 inline constexpr std::uint32_t kListEntrySize = 16;
 struct SelectJob {
     float3 origin;
@@ -32,7 +33,7 @@ struct SelectJob {
 };
 static_assert(sizeof(SelectJob) == 28 && offsetof(SelectJob, point_count) == 20);
 
-/// What a device says of a Selection.
+/// The part of a Selection that a device gives.
 struct Selected {
     std::uint32_t light;
     float prob;

@@ -19,7 +19,7 @@ namespace {
 
 class VulkanLightSampler : public LightSampler, public SamplerInfo {
   public:
-    /// frame, tree: of `cpu`.
+    /// frame, tree: those of `cpu`.
     VulkanLightSampler(std::unique_ptr<LightSampler> cpu, const Frame& frame, const RangeTree& tree,
                        const Chooser& chooser, const VulkanOptions& options)
         : cpu_(std::move(cpu)), tree_(tree) {
@@ -82,7 +82,7 @@ class VulkanLightSampler : public LightSampler, public SamplerInfo {
         return attempt([&] { device_->select(points, u, selections); });
     }
 
-    /// False if there is no device, or none any more.
+    /// Runs an action on the device. False if there is no device, or none any more.
     template <typename Action>
     bool attempt(const Action& action) const noexcept {
         if (!device_) return false;
@@ -107,12 +107,12 @@ class VulkanLightSampler : public LightSampler, public SamplerInfo {
 
     std::unique_ptr<LightSampler> cpu_;
     const RangeTree& tree_;
-    mutable std::mutex mutex_;              ///< of what follows
+    mutable std::mutex mutex_;              ///< guards the members below
     mutable DeviceSampler::Handle device_;  ///< none without lights, nor after a failure
-    mutable std::exception_ptr failure_;    ///< that is still to be told
+    mutable std::exception_ptr failure_;    ///< failure that is still to be told
 };
 
-/// `paper`, which has a list here, so that its prob() is a stand-in.
+/// The sampler `paper`, which has a list here, so that its prob() is a stand-in.
 class VulkanPaperSampler final : public VulkanLightSampler, public VertexCulling {
   public:
     using VulkanLightSampler::VulkanLightSampler;

@@ -23,7 +23,7 @@ namespace {
 
 std::unique_ptr<OIIO::ImageInput> open_image(const std::string& path) {
     OIIO::ImageSpec config;
-    // Colours as they are stored, not multiplied by alpha, which is ignored.
+    // Colours are read as they are stored, not multiplied by alpha, which is ignored.
     config.attribute("oiio:UnassociatedAlpha", 1);
     auto input = OIIO::ImageInput::open(path, &config);
     if (!input) fail(path, OIIO::geterror());
@@ -33,7 +33,7 @@ std::unique_ptr<OIIO::ImageInput> open_image(const std::string& path) {
     return input;
 }
 
-/// Grey of one or two channels (the second is alpha), or the first three of more.
+/// The image as RGB: grey of one or two channels (the second is alpha), or the first three of more.
 Image to_rgb(const OIIO::ImageSpec& spec, const std::vector<float>& samples) {
     Image image{
         static_cast<std::uint32_t>(spec.width), static_cast<std::uint32_t>(spec.height), {}};
@@ -47,7 +47,7 @@ Image to_rgb(const OIIO::ImageSpec& spec, const std::vector<float>& samples) {
     return image;
 }
 
-/// Bytes that this machine has free; as many as can be where it does not say.
+/// The bytes that this machine has free; as many as can be where it does not say.
 std::size_t free_memory() {
     std::ifstream file("/proc/meminfo");
     std::string name, rest;
@@ -58,7 +58,8 @@ std::size_t free_memory() {
     return std::numeric_limits<std::size_t>::max();
 }
 
-/// A header may promise more than memory holds, and the system would give it until it is used.
+/// Throws Error for an image larger than free memory. A header may promise more than memory holds,
+/// and the system would give it until it is used.
 void check_size(const std::string& path, const OIIO::ImageSpec& spec) {
     const double sample_bytes = sizeof(float) * static_cast<double>(spec.nchannels);
     const double needed =

@@ -28,7 +28,8 @@ void append_builtin(OCIO::GroupTransform& group, const char* style,
     group.appendTransform(transform);
 }
 
-/// OpenColorIO 2.1 has no configuration of its own, but the transforms that one is made of.
+/// Makes a view from transforms. OpenColorIO 2.1 has no configuration of its own, but the
+/// transforms that one is made of.
 OCIO::ConstTransformRcPtr builtin_view(bool aces) {
     const auto group = OCIO::GroupTransform::Create();
     append_builtin(*group, "UTILITY - ACES-AP1_to_LINEAR-REC709_BFD", OCIO::TRANSFORM_DIR_INVERSE);
@@ -42,8 +43,8 @@ OCIO::ConstTransformRcPtr builtin_view(bool aces) {
     return group;
 }
 
-/// What configurations call linear light with the sRGB primaries: the ACES ones of OpenColorIO
-/// (first and second generation) and Blender's.
+/// The name by which a configuration calls linear light with the sRGB primaries: those of the ACES
+/// configurations of OpenColorIO (first and second generation) and of Blender's.
 std::string linear_srgb_space(const OCIO::Config& config) {
     for (const char* name : {"lin_rec709_srgb", "lin_rec709", "lin_srgb", "Utility - Linear - sRGB",
                              "Linear Rec.709", "Linear BT.709", "Linear sRGB", "Linear"}) {
@@ -77,7 +78,7 @@ std::vector<std::string> names_in(const OCIO::ConstConfigRcPtr& user_config) {
     return {kAcesView, kSrgbView};
 }
 
-/// Null where $OCIO is not set.
+/// The configuration that $OCIO names; null where it is not set.
 OCIO::ConstConfigRcPtr read_user_config() {
     return user_config_path() != nullptr ? OCIO::Config::CreateFromEnv() : nullptr;
 }
@@ -98,7 +99,7 @@ OCIO::ConstCPUProcessorRcPtr make_processor(const std::string& view) {
     return config->getProcessor(transform)->getDefaultCPUProcessor();
 }
 
-/// Runs what may throw OpenColorIO's exceptions and makes them ours.
+/// Runs a function that may throw OpenColorIO's exceptions, and makes them ours.
 template <typename Function>
 auto translate_errors(Function&& function) {
     try {
@@ -110,7 +111,7 @@ auto translate_errors(Function&& function) {
     }
 }
 
-/// Transforms make nonsense of what is not finite.
+/// The value within limits, or 0 for no number: transforms make nonsense of what is not finite.
 float finite(float value) {
     constexpr float kLimit = 1e6f;
     return std::isnan(value) ? 0.0f : std::clamp(value, -kLimit, kLimit);

@@ -57,14 +57,15 @@ class PartialFile {
     }
 
   private:
-    /// Locked until it is closed, also by the death of the process: see remove_abandoned().
+    /// Opens the file locked until it is closed, also by the death of the process: see
+    /// remove_abandoned().
     int open_locked() const {
         for (;;) {
             const int descriptor =
                 ::open(name_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
             if (descriptor < 0) return descriptor;
             ::flock(descriptor, LOCK_EX);
-            // Before that another process may have taken it for abandoned.
+            // Before the lock, another process may have taken the file for abandoned.
             struct ::stat about {};
             if (::fstat(descriptor, &about) != 0 || about.st_nlink > 0) return descriptor;
             ::close(descriptor);
@@ -89,7 +90,7 @@ class PartialFile {
     bool kept_ = false;
 };
 
-/// What stands at the end of links that lead somewhere, where there need be nothing.
+/// The path at the end of links that lead somewhere, where there need be nothing.
 fs::path followed(fs::path path) {
     std::error_code error;
     while (fs::is_symlink(path, error)) {
@@ -100,13 +101,13 @@ fs::path followed(fs::path path) {
     return path;
 }
 
-/// What the names of the partial files of a path begin with; two numbers with a line between
-/// follow.
+/// The prefix with which the names of the partial files of a path begin; two numbers with a line
+/// between follow.
 std::string partial_prefix(const fs::path& path) {
     return "." + path.filename().string() + ".lightcull-";
 }
 
-/// Unique among the threads and processes of this machine.
+/// A name unique among the threads and processes of this machine.
 std::string partial_name(const fs::path& path) {
     static std::atomic<unsigned> counter{0};
     const std::string numbers = std::to_string(::getpid()) + "-" + std::to_string(counter++);

@@ -28,7 +28,7 @@ OIIO::ImageSpec make_spec(const Image& image, OIIO::TypeDesc::BASETYPE type,
     return spec;
 }
 
-/// Encodes in memory, so that what reaches the disk is in our hands.
+/// Encodes an image in memory, so that what reaches the disk is in our hands.
 void write(const std::string& path, const char* format, const OIIO::ImageSpec& spec,
            const std::vector<float3>& pixels) {
     OIIO::Filesystem::IOVecOutput bytes;
@@ -40,7 +40,8 @@ void write(const std::string& path, const char* format, const OIIO::ImageSpec& s
     write_whole_file(path, {bytes.buffer().data(), bytes.buffer().size()});
 }
 
-/// Beyond it a half would be infinite, and so would every mean taken over it.
+/// The value, within what a half holds. Beyond it a half would be infinite, and so would every mean
+/// taken over it.
 float clamp_to_half(float value) {
     constexpr float kHalfMax = 65504.0f;
     return value > kHalfMax ? kHalfMax : value < -kHalfMax ? -kHalfMax : value;

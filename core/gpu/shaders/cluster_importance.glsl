@@ -1,6 +1,6 @@
-// lights/bvh/cluster_importance-inl.h for one cluster and one point.
+// The twin of lights/bvh/cluster_importance-inl.h for one cluster and one point.
 
-// -1 for a cluster of which all is two-sided, else 1.
+// The sign -1 for a cluster of which all is two-sided, else 1.
 float two_sided(LightGroup cluster) {
     return uintBitsToFloat((floatBitsToUint(cluster.diffuse) & 0x80000000u) | 0x3f800000u);
 }
@@ -20,7 +20,7 @@ bool may_reach(LightGroup cluster, Receiver point, Way way) {
     return squared >= least && top > point.horizon;
 }
 
-// Negative where q is 0 and c * c underflows.
+// The sum c + sqrt(c * c + q), negative where q is 0 and c * c underflows.
 float softened(float c, float q) {
     precise float sum = c + sqrt(c * c + q);
     return sum;
@@ -37,7 +37,7 @@ float with_lobe(Receiver point, float cosine, float angular_spread, float receiv
 
 const float kMinDistance2 = 1e-30;
 
-// 0 where none of the cluster reaches the point.
+// The importance of a cluster, 0 where none of it reaches the point.
 float importance(LightGroup cluster, Receiver point, Way way) {
     if (!may_reach(cluster, point, way)) return 0.0;
     const float spread = abs(cluster.spread);

@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 
-// One selection per invocation: weighs the accepted groups, keeps one, and finds its light.
+// Makes one selection per invocation: weighs the accepted groups, keeps one, and finds its light.
 
 #include "records.glsl"
 
@@ -31,15 +31,15 @@ layout(push_constant, std430) uniform Job {
 #include "sphere_tree_walk.glsl"
 #include "light_bvh_descend.glsl"
 
-// What a Reservoir of groups holds.
+// The state of a Reservoir of groups.
 struct Choice {
     float weight_sum;
     float numerator;
     uint record;
-    uint accepted;  // groups so far
+    uint accepted;  // number of groups so far
 };
 
-// Of Reservoir::add().
+// The random number of Reservoir::add().
 float random_number(uint u_bits, uint record) {
     precise float random =
         to_float(scramble(u_bits ^ (record * 0x9e3779b9u))) * (1.0 / 4294967296.0);
@@ -80,7 +80,7 @@ Choice choose_group(Receiver point, uint set, uint u_bits) {
     return choice;
 }
 
-// At the top of the group that was chosen, or of all if none was.
+// A descent at the top of the group that was chosen, or of all if none was.
 Descent start_descent(Choice choice, uint u_bits) {
     const bool none = !(choice.weight_sum > 0.0);
     const double place =

@@ -1,4 +1,4 @@
-// lights/light/importance.h
+// The twin of lights/light/importance.h.
 
 struct Angle {
     float sine, cosine;

@@ -1,4 +1,5 @@
-// lights/bvh/light_bvh_descend-inl.h: down the light BVH from a node to a light, in double precision.
+// The twin of lights/bvh/light_bvh_descend-inl.h: the way down the light BVH from a node to a
+// light, in double precision.
 
 struct Descent {
     uint child;
@@ -26,7 +27,7 @@ LightGroup child_of(uint node, uint slot) {
 
 const double kBelowOne = 1.0lf - 1.0lf / 9007199254740992.0lf;
 
-// One level down; prob 0 if nothing there reaches the point.
+// Takes a descent one level down; prob becomes 0 if nothing there reaches the point.
 void step_down(Receiver point, inout Descent descent) {
     float g[8];
     double before[8];

@@ -24,7 +24,7 @@ double uniform_double(uint64_t bits) {
     return scaled;
 }
 
-// Both halves are exact as floats, so that their sum is rounded once.
+// The number as a float. Both halves are exact as floats, so that their sum is rounded once.
 float to_float(uint bits) {
     precise float number = float(bits >> 16) * 65536.0 + float(bits & 0xffffu);
     return number;
@@ -35,13 +35,15 @@ float dot3(vec3 a, vec3 b) {
     return sum;
 }
 
-// Where the result becomes a double again, compilers may leave the rounding out (Mesa 25 does), but
-// not with integers in between. What is added is 0, as no tree has so many nodes.
+// The number rounded to a float. Where the result becomes a double again, compilers may leave the
+// rounding out (Mesa 25 does), but not with integers in between. The number that is added is 0, as
+// no tree has so many nodes.
 float rounded(double exact) {
     return uintBitsToFloat(floatBitsToUint(float(exact)) + (job.node_count >> 31));
 }
 
-// Of floats, rounded as the standard for them has it; a device's own may be off by some bits.
+// The quotient of floats, rounded as the standard for them has it; a device's own may be off by
+// some bits.
 float quotient(float a, float b) {
     precise double exact = double(a) / double(b);
     return rounded(exact);

@@ -2,9 +2,9 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 
-// [TH16] Algs. 2 and 3 as lights/baselines/paper_sampler.cpp has them, one selection per invocation: a list
-// of the accepted lights in shared memory, kept to k by reservoir sampling, and one of it found by
-// a binary search of the CDF of their weights.
+// The twin of lights/baselines/paper_sampler.cpp, [TH16] Algs. 2 and 3, one selection per
+// invocation: a list of the accepted lights in shared memory, kept to k by reservoir sampling, and
+// one of them found by a binary search of the CDF of their weights.
 
 #include "records.glsl"
 
@@ -42,7 +42,7 @@ struct Accepted {
     float inverse_prob;
 };
 
-// lightList and cdf, one of each for each invocation.
+// The arrays lightList and cdf, one of each for each invocation.
 shared Accepted list[kListSize * gl_WorkGroupSize.x];
 shared float cdf[kListSize * gl_WorkGroupSize.x];
 
@@ -50,14 +50,14 @@ uint place_in_list(uint i) {
     return i * gl_WorkGroupSize.x + gl_LocalInvocationID.x;
 }
 
-// RandomStream::next() of a key.
+// The number that RandomStream::next() gives for a key.
 float next_random(uint64_t key, uint counter) {
     precise float random =
         float(uint(hash(key, uint64_t(counter)) >> 40)) * (1.0 / 16777216.0);
     return random;
 }
 
-// Of Alg. 3: the found-th accepted light.
+// Adds the found-th accepted light, as Alg. 3 does.
 void add_to_list(Accepted accepted, uint found, uint64_t key) {
     if (found < kListSize) {
         list[place_in_list(found)] = accepted;
@@ -67,7 +67,7 @@ void add_to_list(Accepted accepted, uint found, uint64_t key) {
     if (place < float(kListSize)) list[place_in_list(uint(place))] = accepted;
 }
 
-// Fills the list; how many were found.
+// Fills the list, and returns how many were found.
 uint find_accepted(Receiver point, uint set, uint64_t key) {
     uint found = 0;
     const uint first_radius = set * job.node_count * 8;
@@ -99,7 +99,7 @@ float weight_of(Accepted accepted) {
     return kWeightByG ? accepted.importance : by_p;
 }
 
-// Of the first `size` of the list; their sum.
+// Builds the CDF of the first `size` of the list, and returns their sum.
 float build_cdf(uint size) {
     precise float sum = 0.0;
     for (uint j = 0; j < size; ++j) {
@@ -109,7 +109,8 @@ float build_cdf(uint size) {
     return sum;
 }
 
-// The first of `size` places, not none, at which the CDF rises above the target; else the last.
+// The first of `size` places, of which there is one at least, at which the CDF rises above the
+// target; else the last.
 uint search_cdf(uint size, float target) {
     uint begin = 0, end = size - 1;
     while (begin < end) {

@@ -1,4 +1,4 @@
-// lights/light/receiver.h, and how near something is to a receiver.
+// The twin of lights/light/receiver.h, with tests of how near something is to a receiver.
 
 struct Receiver {
     vec3 position;
@@ -34,7 +34,7 @@ Way way_to(vec3 center, Receiver point) {
 
 const float kHorizonOfNodes = 2.0;
 
-// Whether the point is within a slot's sphere, and what it holds is not below the horizon.
+// True if the point is within a slot's sphere, and what the slot holds is not below the horizon.
 bool concerns(uint node, uint slot, float radius, Receiver point) {
     const vec3 center = vec3(nodes[node].x[slot], nodes[node].y[slot], nodes[node].z[slot]);
     const Way way = way_to(center, point);
@@ -44,7 +44,7 @@ bool concerns(uint node, uint slot, float radius, Receiver point) {
     return way.distance2 <= radius2 && top > horizon;
 }
 
-// 1 / p of [TH16] Eq. 1.
+// The inverse 1 / p of [TH16] Eq. 1.
 float inverse_prob_of(float radius, float intensity, float distance2) {
     precise float limit = job.reach * intensity;
     precise float inverse_limit = 1.0 / max(limit, 1e-36);

@@ -5,7 +5,7 @@ struct Float3 {
     float x, y, z;
 };
 
-// lights/ranges/sphere_tree.h
+// The record of lights/ranges/sphere_tree.h.
 struct SphereNode {
     float x[8], y[8], z[8];
     uint link[8];
@@ -13,7 +13,7 @@ struct SphereNode {
 };
 const uint kLeaf = 0x80000000u, kEmpty = 0xffffffffu;
 
-// lights/ranges/ranges.h
+// The record of lights/ranges/ranges.h.
 struct Turn {
     uint rank, draw;
 };
@@ -23,7 +23,7 @@ struct RangedLight {
     float intensity;
 };
 
-// lights/light/light_record.h, two 16-bit numbers to a word
+// The record of lights/light/light_record.h, two 16-bit numbers to a word.
 struct LightRecord {
     Float3 center;
     float radius;
@@ -33,7 +33,7 @@ struct LightRecord {
     uint cos_theta_e_two_sided;
 };
 
-// lights/groups/light_groups.h
+// The record of lights/groups/light_groups.h.
 struct LightGroup {
     Float3 center;
     float radius;
@@ -48,7 +48,7 @@ struct LightGroup {
 };
 const uint kNoGroup = 0xffffffffu;
 
-// lights/bvh/light_bvh.h
+// The record of lights/bvh/light_bvh.h.
 struct MeansNode {
     float center[3][8];
     float radius[8];
@@ -63,7 +63,7 @@ struct MeansNode {
 };
 const uint kLight = 0x80000000u;
 
-// lightcull/light_sampler.h
+// The record of lightcull/light_sampler.h.
 struct ShadingPoint {
     Float3 position;
     Float3 normal;
@@ -74,7 +74,7 @@ struct ShadingPoint {
     float lobe_peak;
 };
 
-// gpu/shaders.h
+// The record of gpu/shaders.h.
 struct Selected {
     uint light;
     float prob;
@@ -82,7 +82,7 @@ struct Selected {
     uint key;
 };
 
-// gpu/breadth_first.h
+// The record of gpu/breadth_first.h.
 struct BreadthFirst {
     uint node;
     uint place;

@@ -2,8 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 
-// lights/ranges/sphere_tree_refit-inl.h: all radii of a set, bottom-up. A workgroup per set, an invocation
-// per node of a level.
+// The twin of lights/ranges/sphere_tree_refit-inl.h: all radii of a set, bottom-up. There is a
+// workgroup per set, and an invocation per node of a level.
 
 #include "records.glsl"
 
@@ -27,7 +27,7 @@ layout(push_constant, std430) uniform Job {
 
 #include "numbers.glsl"
 
-// RandomRanges::xi() of a light in a set.
+// The number RandomRanges::xi() of a light in a set.
 float xi(uint record, Turn turn) {
     const uint high = scramble(scramble(record ^ job.key_low) + job.key_high + turn.draw);
     precise float low = float(scramble(high + job.key_low) >> 8) + 1.0;

@@ -1,13 +1,14 @@
-// lights/ranges/sphere_tree_walk.h: the nodes that are still to be read, in the order of TreeWalk.
+// The twin of lights/ranges/sphere_tree_walk.h: the nodes that are still to be read, in the order
+// of TreeWalk.
 
-// Whether the node found first is read next. Those are in breadth-first order: a bit for each node
-// holds them. Else they are a stack.
+// True if the node found first is read next. The nodes are then in breadth-first order, and a bit
+// for each node holds them. Else they are a stack.
 layout(constant_id = 0) const bool kFirstInFirstOut = true;
-// Words: of bits, or as many nodes as may wait.
+// The number of words: of bits, or as many nodes as may wait.
 layout(constant_id = 1) const uint kRoom = 1;
 
 uint waiting[kRoom];
-uint at = 0;  // the word that is read next, or the height of the stack
+uint at = 0;  // word that is read next, or height of the stack
 
 void start_walk() {
     if (kFirstInFirstOut) {
@@ -18,7 +19,7 @@ void start_walk() {
     }
 }
 
-// False once none is left.
+// Takes a node. False once none is left.
 bool take(out uint node) {
     if (!kFirstInFirstOut) {
         if (at == 0) return false;
