@@ -8,8 +8,8 @@
 
 namespace lightcull::python {
 
-/// How many threads an arena gets where so many are wanted; 0: as many as the machine has, and
-/// never more.
+/// The number of threads that an arena gets where `threads` are wanted; 0: as many as the machine
+/// has, and never more.
 inline int arena_size(std::uint32_t threads) {
     const int available = tbb::info::default_concurrency();
     return threads == 0 || threads > static_cast<std::uint32_t>(available)

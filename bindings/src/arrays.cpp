@@ -48,7 +48,7 @@ bool is_contiguous(const py::buffer_info& info) {
     return true;
 }
 
-/// Records are made of numbers of 4 bytes.
+/// True if the data are aligned: records are made of numbers of 4 bytes.
 bool is_aligned(const py::buffer_info& info, const py::object& dtype) {
     const bool is_record = !dtype.attr("names").is_none();
     const std::uintptr_t alignment =

@@ -12,14 +12,14 @@
 #include <string>
 #include <vector>
 
-/// NumPy arrays in and out. They go through the buffer protocol and numpy.empty() in place of
+/// NumPy arrays go in and out by these. They use the buffer protocol and numpy.empty() in place of
 /// py::array, because pybind11 before 2.12 cannot read NumPy 2's array descriptors.
 
 namespace lightcull::python {
 
 namespace py = pybind11;
 
-/// What an array argument must be. -1 in the shape stands for any length.
+/// The properties that an array argument must have. -1 in the shape stands for any length.
 struct ArraySpec {
     py::object dtype;
     std::vector<py::ssize_t> shape;
@@ -29,13 +29,13 @@ struct ArraySpec {
 /// it is a C-contiguous NumPy array as specified.
 py::buffer_info read_array(const py::handle& array, const char* name, const ArraySpec& spec);
 
-/// numpy.dtype(description).
+/// The same as numpy.dtype(description).
 py::object numpy_dtype(const py::object& description);
 
 /// A new, uninitialised NumPy array.
 py::object new_array(const py::tuple& shape, const py::object& dtype);
 
-/// How one element of T looks in an array: its dtype and how many columns (0: none) it takes.
+/// The form of one element of T in an array: its dtype and how many columns (0: none) it takes.
 template <typename T>
 struct Row;
 template <>
@@ -75,7 +75,7 @@ class Rows {
         info_ = read_array(array, name, spec);
     }
 
-    /// No rows for None.
+    /// The rows of an argument that may be None, which has none.
     static Rows optional(const py::object& array, const char* name, py::ssize_t count) {
         return array.is_none() ? Rows() : Rows(array, name, count);
     }
@@ -100,11 +100,11 @@ Span<T> elements(const py::object& array) {
             static_cast<std::size_t>(info.size * info.itemsize) / sizeof(T)};
 }
 
-/// float32 (H, W, 3), row 0 at the top.
+/// An image from an array float32 (H, W, 3), row 0 at the top.
 Image image_from_array(const py::object& array, const char* name);
 py::object array_from_image(Span<const float3> pixels, std::uint32_t width, std::uint32_t height);
 
-/// Any three numbers. Throws TypeError with the name.
+/// A float3 from any three numbers. Throws TypeError with the name.
 float3 float3_from(const py::object& sequence, const char* name);
 
 }  // namespace lightcull::python

@@ -49,7 +49,7 @@ struct BenchPoints {
         for (float& number : u) number = static_cast<float>(random() >> 8) * 0x1p-24f;
     }
 
-    /// About `count` of them, spread evenly.
+    /// About `count` of the points, spread evenly.
     std::unique_ptr<BenchPoints> thinned(std::size_t count) const {
         const std::size_t runs = std::max<std::size_t>(count / kRun, 1);
         const std::size_t step = std::max<std::size_t>(points.size() / runs, kRun);
@@ -98,7 +98,8 @@ class TimedSampler {
         });
     }
 
-    /// Seconds, and the number of rays: from the points to the lights chosen for them last.
+    /// The seconds that shadow rays take, and their number: they go from the points to the lights
+    /// chosen for them last.
     std::pair<double, std::size_t> trace_shadow_rays(const BenchPoints& points) const {
         const ShadowRays rays(*scene_, points.points, points.selections);
         const double seconds = timed([&] { rays.trace(); });
@@ -111,7 +112,7 @@ class TimedSampler {
         return std::make_unique<BenchPoints>(std::move(points));
     }
 
-    /// Points with sets by packets.
+    /// Makes points with sets by packets.
     std::unique_ptr<BenchPoints> points(Span<const float3> positions,
                                         Span<const float3> normals) const {
         std::vector<ShadingPoint> points(positions.size());

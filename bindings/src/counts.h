@@ -8,12 +8,12 @@
 
 namespace lightcull::python {
 
-/// Mean cost of one selection.
+/// The mean cost of one selection.
 struct MeanCounts {
     double nodes_visited = 0.0, lights_tested = 0.0, accepted = 0.0;
 };
 
-/// Over `count` of the points, or all if they are fewer, spread evenly. 0 without points.
+/// The mean over `count` of the points, or all if they are fewer, spread evenly. 0 without points.
 MeanCounts mean_counts(const LightSampler& sampler, Span<const ShadingPoint> points,
                        std::size_t count);
 

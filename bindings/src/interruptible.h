@@ -46,7 +46,7 @@ bool run_interruptibly(std::mutex& mutex, Work&& work) {
 template <typename AnyRenderer>
 class Interruptible {
   public:
-    /// make: gives the renderer; in an arena of as many threads as the settings say.
+    /// make: gives the renderer; it is called in an arena of as many threads as the settings say.
     template <typename Make>
     Interruptible(const RenderSettings& settings, const Make& make) : settings_(settings) {
         using Clock = std::chrono::steady_clock;
@@ -75,7 +75,7 @@ class Interruptible {
     double setup_seconds() const { return setup_seconds_; }
 
   protected:
-    /// action(renderer), while no other call is at work.
+    /// Calls action(renderer), while no other call is at work.
     template <typename Action>
     auto locked(const Action& action) {
         const pybind11::gil_scoped_release release;

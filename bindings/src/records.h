@@ -4,7 +4,7 @@
 
 namespace lightcull::python {
 
-/// NumPy dtypes with the layout of lightcull::Light, Selection and SelectionCounts.
+/// The NumPy dtypes with the layout of lightcull::Light, Selection and SelectionCounts.
 pybind11::object light_dtype();
 pybind11::object selection_dtype();
 pybind11::object counts_dtype();

@@ -28,7 +28,7 @@ class InterruptibleRenderer : public Interruptible<Renderer> {
                         }),
           scene_(scene) {}
 
-    /// float64 (H, W, 3): the sums of the passes.
+    /// The sums of the passes, as float64 (H, W, 3).
     py::object sums() {
         const RenderState state = locked([](const Renderer& renderer) { return renderer.state(); });
         py::object array = new_array(py::make_tuple(settings().height, settings().width, 3),
@@ -47,7 +47,7 @@ class InterruptibleRenderer : public Interruptible<Renderer> {
         locked([&](Renderer& renderer) { renderer.restore(state); });
     }
 
-    /// At camera points.
+    /// The mean cost of a selection at camera points.
     MeanCounts mean_counts() {
         return locked([&](const Renderer& renderer) {
             std::vector<ShadingPoint> points = camera_points(*scene_, settings(), kCountedPoints);

@@ -22,7 +22,7 @@ namespace {
 
 using Points = std::vector<ShadingPoint>;
 
-/// What lights are selected from: a pass, or a sampler with the pass that it is in.
+/// An object that lights are selected from: a pass, or a sampler with the pass that it is in.
 class SharedSelector {
   public:
     SharedSelector(std::shared_ptr<const LightSelector> selector, std::size_t light_count)
@@ -83,7 +83,8 @@ class SharedSampler : public SharedSelector {
     std::shared_ptr<LightSampler> sampler_;
 };
 
-/// The hot calls check nothing, so everything is checked here.
+/// Throws an error about a row of an argument. The hot calls check nothing, so everything is
+/// checked here.
 [[noreturn]] void throw_row_error(const char* name, std::size_t row, const std::string& problem) {
     throw Error(std::string(name) + "[" + std::to_string(row) + "]: " + problem);
 }
@@ -123,7 +124,7 @@ void set_sets(Points& points, const py::object& sets, std::uint32_t set_count) {
     }
 }
 
-/// Ids of lights, checked.
+/// The ids of lights from an argument, checked.
 Rows<std::uint32_t> light_ids(const py::object& ids, std::size_t count, std::size_t light_count) {
     Rows<std::uint32_t> rows(ids, "lights", static_cast<py::ssize_t>(count));
     for (std::size_t i = 0; i < rows.span().size(); ++i)
@@ -151,7 +152,7 @@ std::vector<Selection> selections_from(const py::object& array, Points& points,
     return selections;
 }
 
-/// The points in one call, or in one call each.
+/// The way in which points are selected for: in one call, or in one call each.
 enum class Entry { kBatch, kSingle };
 
 template <Entry kEntry>

@@ -38,7 +38,7 @@ class InterruptibleVirtualLights : public Interruptible<VirtualLightRenderer> {
         });
     }
 
-    /// uint32 (H, W, 2): listed and accepted.
+    /// The numbers of lights listed and accepted, as uint32 (H, W, 2).
     py::array_t<std::uint32_t> lights_of_pixels() {
         const std::vector<LightsOfPixel> counts = locked([](const VirtualLightRenderer& renderer) {
             return std::vector<LightsOfPixel>(renderer.lights_of_pixels());
