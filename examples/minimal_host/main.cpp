@@ -58,7 +58,7 @@ Image render_all_lights(const Scene& scene, const std::vector<Hit>& hits) {
     return image;
 }
 
-/// Mean of the squared error over the squared truth; 1e-4 keeps black pixels out of it.
+/// The mean of the squared error over the squared truth; 1e-4 keeps black pixels out of it.
 double relative_error(const Image& image, const Image& truth) {
     double sum = 0.0;
     for (std::size_t i = 0; i < image.size(); ++i) {

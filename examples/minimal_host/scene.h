@@ -74,7 +74,8 @@ inline Scene make_scene() {
     return scene;
 }
 
-/// Distance along the ray to the nearest surface, infinity if there is none; `normal` is set there.
+/// The distance along the ray to the nearest surface, infinity if there is none; `normal` is set
+/// there.
 inline float intersect(const Scene& scene, float3 origin, float3 direction, float3& normal) {
     float nearest = INFINITY;
     if (direction.y < 0.0f) {
@@ -117,8 +118,8 @@ inline std::vector<Hit> trace_camera_rays(const Scene& scene) {
     return hits;
 }
 
-/// Radiance that leaves a diffuse point towards anywhere, by light from one vertex of an emitter,
-/// divided by the density of that vertex on the emitter (its area's inverse).
+/// The radiance that leaves a diffuse point towards anywhere, by light from one vertex of an
+/// emitter, divided by the density of that vertex on the emitter (its area's inverse).
 inline float light_from(const Scene& scene, const Emitter& emitter, const Hit& hit,
                         Random& random) {
     const float root = std::sqrt(uniform(random)), v = root * uniform(random), u = 1.0f - root;

@@ -17,8 +17,8 @@ namespace {
 constexpr std::uint32_t kWidth = 40, kHeight = 30;
 constexpr std::size_t kPixelCount = std::size_t{kWidth} * kHeight;
 
-/// A sampler that stays with one pass, whatever it is asked for: how it is when a host forgets the
-/// others.
+/// A sampler that stays with one pass, whatever it is asked for: this is how it is when a host
+/// forgets the others.
 class OnePass final : public lightcull::LightSampler {
   public:
     OnePass(std::unique_ptr<lightcull::LightSampler> sampler, std::uint64_t number)
@@ -77,7 +77,7 @@ constexpr std::array<Method, 6> kMethods{
      {"tiles, but one pass of 64 sets", tiles, "culled:sets=64", true},
      {"whole passes, but begun once", whole_passes, "culled:sets=64", true}}};
 
-/// Pixels where no lantern is seen. At the others the error is that of their edges, for any
+/// The pixels where no lantern is seen. At the others the error is that of their edges, for any
 /// sampler.
 std::vector<std::size_t> pixels_without_lanterns(const Scene& scene) {
     std::vector<std::size_t> pixels;
@@ -132,8 +132,8 @@ Reference make_reference(const Scene& scene, std::uint32_t samples) {
     return reference;
 }
 
-/// Mean of the squared error over the squared truth. As the two references are independent, their
-/// own error falls out of the mean of the product.
+/// The mean of the squared error over the squared truth. As the two references are independent,
+/// their own error falls out of the mean of the product.
 double relative_error(const std::vector<double>& image, const Reference& reference) {
     double sum = 0.0;
     for (std::size_t i = 0; i < image.size(); ++i) {

@@ -84,7 +84,7 @@ void render_tiles_in_rounds(const Scene& scene, const LightSampler& sampler, con
     for_each_tile(job, [&](std::uint32_t tile, const std::vector<std::uint32_t>& pixels) {
         for (std::uint32_t first = job.first_sample; first < job.end_sample;
              first += kSamplesPerRound) {
-            // This tile's own. Any number of passes may be made and used at once.
+            // This pass is the tile's own. Any number of passes may be made and used at once.
             const std::uint64_t number = mix(mix(job.seed) + tile) + first / kSamplesPerRound;
             const std::unique_ptr<const LightSelector> pass = sampler.pass(number);
             const std::uint32_t end = std::min(first + kSamplesPerRound, job.end_sample);
@@ -193,8 +193,8 @@ std::unique_ptr<LightSampler> make_light_sampler(const Scene& scene,
     for (const Emitter& e : scene.emitters()) {
         lights.push_back(lightcull::triangle_light(e.a, e.b, e.c, luminance(e.radiance)));
     }
-    // Points such as the image will ask for: where the camera rays of a small one arrive. Rays from
-    // the camera ask for no probabilities, so any selector will do.
+    // The points are such as the image will ask for: where the camera rays of a small one arrive.
+    // Rays from the camera ask for no probabilities, so any selector will do.
     const auto no_lights = lightcull::make_sampler(lightcull::UniformOptions{}, {});
     const Job small{24, 18, 0, 1};
     std::vector<ShadingPoint> typical;
@@ -204,7 +204,8 @@ std::unique_ptr<LightSampler> make_light_sampler(const Scene& scene,
     }
     auto sampler = lightcull::make_sampler(spec, lights, {typical, pixels_per_pass});
 #ifndef NDEBUG
-    // It tells of points, sets and random numbers that make no sense, and of a pass forgotten.
+    // This sampler tells of points, sets and random numbers that make no sense, and of a pass
+    // forgotten.
     sampler = lightcull::make_checked_sampler(std::move(sampler), lights.size());
 #endif
     return sampler;

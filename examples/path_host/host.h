@@ -14,7 +14,7 @@
 
 namespace host {
 
-/// What to render: of an image of that size, some of the samples of each pixel.
+/// A description of what to render: of an image of that size, some of the samples of each pixel.
 struct Job {
     std::uint32_t width, height;
     std::uint32_t first_sample, end_sample;
@@ -26,22 +26,24 @@ struct Job {
 /// The sum of the samples of each pixel, row by row from the top.
 using Film = std::vector<float3>;
 
-/// pixels_per_pass: of a host that begins a pass for each sample of the image, else 0.
+/// Makes a sampler. pixels_per_pass: the pixels of a host that begins a pass for each sample of the
+/// image, else 0.
 std::unique_ptr<lightcull::LightSampler> make_light_sampler(const Scene& scene,
                                                             const lightcull::SamplerSpec& spec,
                                                             std::uint32_t pixels_per_pass);
 
-// Each adds a job's samples to a film, to the same bits on any number of threads.
+// Each function adds a job's samples to a film, to the same bits on any number of threads.
 
-/// All pixels at once, bounce by bounce, one sample after the other.
+/// Renders all pixels at once, bounce by bounce, one sample after the other.
 void render_whole_passes(const Scene& scene, lightcull::LightSampler& sampler, const Job& job,
                          Film& film);
 
-/// Tile by tile, each with all its samples. All tiles select from the same passes.
+/// Renders tile by tile, each with all its samples. All tiles select from the same passes.
 void render_tiles(const Scene& scene, const lightcull::LightSampler& sampler, const Job& job,
                   Film& film);
 
-/// Tile by tile, each with all its samples. A tile takes a pass of its own for every 16 of them.
+/// Renders tile by tile, each with all its samples. A tile takes a pass of its own for every 16 of
+/// them.
 void render_tiles_in_rounds(const Scene& scene, const lightcull::LightSampler& sampler,
                             const Job& job, Film& film);
 

@@ -53,7 +53,7 @@ Arguments read_arguments(int count, char** values) {
     return arguments;
 }
 
-/// Of floats, from the bottom row up: a format that most viewers know.
+/// Writes a file of floats, from the bottom row up: a format that most viewers know.
 void write_pfm(const char* path, const Film& film, const Job& job) {
     std::ofstream file(path, std::ios::binary);
     file << "PF\n" << job.width << ' ' << job.height << "\n-1.0\n";
@@ -79,21 +79,22 @@ void finish(const char* name, const char* path, const Film& film, const Job& job
 void render(const Scene& scene, const Job& job) {
     const auto pixels = static_cast<std::uint32_t>(job.pixel_count());
     {
-        // It is told how many pixels a pass serves, and chooses fewer sets for a small image.
+        // The sampler is told how many pixels a pass serves, and chooses fewer sets for a small
+        // image.
         const auto sampler = make_light_sampler(scene, lightcull::CulledOptions{}, pixels);
         Film film(pixels);
         render_whole_passes(scene, *sampler, job, film);
         finish("whole passes", "whole_passes.pfm", film, job);
     }
     {
-        // It is not, and so it has enough sets for all samples to come from one pass.
+        // The sampler is not told, and so it has enough sets for all samples to come from one pass.
         const auto sampler = make_light_sampler(scene, lightcull::CulledOptions{}, 0);
         Film film(pixels);
         render_tiles(scene, *sampler, job, film);
         finish("tiles", "tiles.pfm", film, job);
     }
     {
-        // A set for each sample of a round, so that passes are cheap to make.
+        // There is a set for each sample of a round, so that passes are cheap to make.
         lightcull::CulledOptions options;
         options.set_count = 16;
         const auto sampler = make_light_sampler(scene, options, 0);

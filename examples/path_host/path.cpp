@@ -11,7 +11,7 @@ using lightcull::ShadingPoint;
 namespace {
 
 constexpr std::uint32_t kMaxBounces = 4;  ///< surfaces on a path
-constexpr float kOffset = 1e-3f;          ///< keeps rays off the surface that they leave
+constexpr float kOffset = 1e-3f;  ///< distance that keeps rays off the surface that they leave
 
 /// The balance heuristic.
 float mis_weight(float pdf, float other_pdf) {
@@ -26,7 +26,7 @@ float sky_pdf(float3 normal, float3 direction) {
 
 Path start(const Scene& scene, const Job& job, std::uint32_t pixel, std::uint32_t sample) {
     Path path;
-    // Random numbers by pixel and sample, whatever thread comes upon them.
+    // The random numbers go by pixel and sample, whatever thread comes upon them.
     path.random = Random(mix(mix(job.seed) + pixel) + sample);
     const auto width = static_cast<float>(job.width), height = static_cast<float>(job.height);
     const std::uint32_t column = pixel % job.width, row = pixel / job.width;
@@ -50,10 +50,10 @@ bool arrive(const Scene& scene, const LightSelector& selector, std::uint32_t bou
     if (hit.emitter != Hit::kNoEmitter) {
         const Emitter& emitter = scene.emitters()[hit.emitter];
         const float area_cosine = -dot(emitter.normal_times_area(), direction);
-        if (area_cosine <= 0.0f) return false;  // its back
+        if (area_cosine <= 0.0f) return false;  // the emitter's back
         float weight = 1.0f;
         if (!path.from_camera) {
-            // How likely light sampling would have come here: lightcull knows with what probability
+            // How likely would light sampling have come here? lightcull knows with what probability
             // it would have chosen this light at the point that the ray left. So it is asked with
             // that point's receipt, not with anything of this one. The density of the vertex on the
             // light, by solid angle, is ours.

@@ -16,15 +16,15 @@ struct Path {
     Random random;
     Ray ray;
     float3 weight{1, 1, 1};
-    float3 radiance{0, 0, 0};  ///< what the path has brought to the camera
+    float3 radiance{0, 0, 0};  ///< radiance that the path has brought to the camera
 
-    // Where the ray comes from. MIS asks for it when the ray hits a light.
+    // The place where the ray comes from. MIS asks for it when the ray hits a light.
     bool from_camera = true;
     lightcull::ShadingPoint left;
     lightcull::Receipt receipt;
     float bsdf_pdf = 0.0f;
 
-    // Where the ray has arrived.
+    // The place where the ray has arrived.
     Surface surface;
     float3 position;
 };
@@ -36,13 +36,14 @@ Path start(const Scene& scene, const Job& job, std::uint32_t pixel, std::uint32_
 bool arrive(const Scene& scene, const lightcull::LightSelector& selector, std::uint32_t bounce,
             Path& path);
 
-/// What lightcull wants to know of the surface where the path is.
+/// The surface where the path is, as lightcull wants to know it.
 lightcull::ShadingPoint shading_point(const Path& path, std::uint32_t set);
 
-/// Light sampling: adds light from the emitter that was selected, and from the sky.
+/// Does light sampling: adds light from the emitter that was selected, and from the sky.
 void add_light(const Scene& scene, const lightcull::Selection& selection, Path& path);
 
-/// BSDF sampling: the next ray. It takes along what MIS will ask for. False where the path ends.
+/// Does BSDF sampling: makes the next ray, which takes along what MIS will ask for. False where the
+/// path ends.
 bool leave(const lightcull::ShadingPoint& point, const lightcull::Selection& selection, Path& path);
 
 }  // namespace host

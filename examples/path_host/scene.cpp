@@ -15,7 +15,7 @@ float3 larger(float3 a, float3 b) {
     return {std::fmax(a.x, b.x), std::fmax(a.y, b.y), std::fmax(a.z, b.z)};
 }
 
-/// Distance to a triangle from its front or its back, infinity if there is none (Moeller &
+/// The distance to a triangle from its front or its back, infinity if there is none (Moeller &
 /// Trumbore 1997).
 float intersect(const Ray& ray, const Emitter& triangle) {
     const float3 ab = triangle.b - triangle.a, ac = triangle.c - triangle.a;
@@ -30,7 +30,8 @@ float intersect(const Ray& ray, const Emitter& triangle) {
 float intersect(const Ray& ray, const Sphere& sphere) {
     const float3 to_center = sphere.center - ray.origin;
     const float along = dot(to_center, ray.direction);
-    // From the nearest point of the ray to the centre: exact also for far spheres.
+    // The offset is measured from the nearest point of the ray to the centre: exact also for far
+    // spheres.
     const float3 off = to_center - along * ray.direction;
     const float root = sphere.radius * sphere.radius - dot(off, off);
     const float distance = root < 0.0f ? -1.0f : along - std::sqrt(root);
@@ -186,7 +187,7 @@ bool Scene::is_free(const Ray& ray, float distance) const {
 
 Ray Scene::camera_ray(float x, float y) const {
     constexpr float3 kEye{0, 1.5f, 8};
-    constexpr float kTilt = 0.02f, kHalfHeight = 0.4f;  // of the view, as tangents
+    constexpr float kTilt = 0.02f, kHalfHeight = 0.4f;  // tangents of the view
     return {kEye, normalize({kHalfHeight * x, kHalfHeight * y - kTilt, -1.0f})};
 }
 

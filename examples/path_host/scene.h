@@ -14,10 +14,10 @@ struct Ray {
     float3 origin, direction;
 };
 
-/// What reflects: a diffuse part, and a GGX lobe.
+/// A material that reflects: a diffuse part, and a GGX lobe.
 struct Material {
-    float3 albedo;       ///< of the diffuse part
-    float3 reflectance;  ///< of the GGX lobe, towards the normal
+    float3 albedo;       ///< albedo of the diffuse part
+    float3 reflectance;  ///< reflectance of the GGX lobe, towards the normal
     float alpha;         ///< roughness of the GGX lobe
 };
 
@@ -32,16 +32,16 @@ struct Emitter {
     float3 a, b, c;
     float3 radiance;
 
-    float3 point(Random& random) const;  ///< all points alike
+    float3 point(Random& random) const;  ///< uniform over the triangle
     float3 normal_times_area() const { return 0.5f * cross(b - a, c - a); }
 };
 
 struct Hit {
     static constexpr std::uint32_t kNoEmitter = 0xffffffffu;
 
-    float distance = INFINITY;  ///< infinite where the ray leaves the scene
-    float3 normal;              ///< towards the ray's origin; not set for emitters
-    Material material;          ///< not set for emitters
+    float distance = INFINITY;  ///< distance along the ray, infinite where it leaves the scene
+    float3 normal;              ///< normal towards the ray's origin; not set for emitters
+    Material material;          ///< material; not set for emitters
     std::uint32_t emitter = kNoEmitter;
 };
 
@@ -53,17 +53,17 @@ class Scene {
 
     /// The first surface along a ray.
     Hit intersect(const Ray& ray) const;
-    /// Whether nothing lies between the ray's origin and that distance.
+    /// True if nothing lies between the ray's origin and that distance.
     bool is_free(const Ray& ray, float distance) const;
 
-    /// Through a place on a film that goes from -1 to 1 up and down.
+    /// The ray through a place on a film that goes from -1 to 1 up and down.
     Ray camera_ray(float x, float y) const;
     /// The environment: radiance that comes from a direction.
     float3 sky(float3 direction) const;
 
   private:
-    /// A node of a binary tree of boxes. A leaf holds emitters first to first + count; of others
-    /// count is 0, one child is the next node, and the other is `first`.
+    /// A node of a binary tree of boxes. A leaf holds emitters first to first + count; other nodes
+    /// have a count of 0, one child is the next node, and the other is `first`.
     struct Node {
         float3 low, high;
         std::uint32_t first, count;
@@ -78,7 +78,7 @@ class Scene {
     float intersect_surfaces(const Ray& ray, const Sphere*& surface) const;
 
     std::vector<Sphere> spheres_;
-    std::vector<Emitter> emitters_;  // in the order of the tree's leaves
+    std::vector<Emitter> emitters_;  // emitters in the order of the tree's leaves
     std::vector<Node> nodes_;
 };
 

@@ -1,7 +1,7 @@
 #pragma once
 
-// How a surface reflects: a diffuse part, and a GGX lobe with Schlick's Fresnel term. Nothing here
-// knows of light sampling.
+// This is how a surface reflects: a diffuse part, and a GGX lobe with Schlick's Fresnel term.
+// Nothing here knows of light sampling.
 
 #include <algorithm>
 
@@ -13,7 +13,7 @@ namespace host {
 class Surface {
   public:
     Surface() : frame_({0, 0, 1}) {}
-    /// view: away from the surface, unit length.
+    /// view: direction away from the surface, unit length.
     Surface(const Material& material, float3 normal, float3 view)
         : material_(material), frame_(normal), view_(frame_.to_local(view)) {
         view_.z = std::max(view_.z, 1e-3f);

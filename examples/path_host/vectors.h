@@ -65,7 +65,7 @@ class Random {
   public:
     explicit Random(std::uint64_t seed = 0) : state_(mix(seed)) {}
 
-    /// In [0, 1).
+    /// A number in [0, 1).
     float uniform() {
         state_ += 0x9e3779b97f4a7c15u;
         return static_cast<float>(mix(state_) >> 40) * 0x1p-24f;

@@ -4,7 +4,7 @@
 
 namespace lightcull::bench {
 
-/// Register everything that is measured with so many lights, to be run in that order.
+/// These register everything that is measured with so many lights, to be run in that order.
 void register_building(std::uint32_t light_count);
 void register_selection(std::uint32_t light_count);
 

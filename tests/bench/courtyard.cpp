@@ -11,21 +11,21 @@ namespace lightcull::bench {
 namespace {
 
 constexpr float kHalf = 20.0f, kHeight = 8.0f;  // metres
-constexpr std::uint32_t kTriangles = 20;        // of a lantern
+constexpr std::uint32_t kTriangles = 20;        // triangles of a lantern
 constexpr float kTotalPower = 10000.0f;         // radiance times area, summed over all lights
 
 struct Shape {
     std::vector<float3> positions;
     std::vector<std::uint32_t> indices;
 
-    /// Corners anticlockwise, seen from the front.
+    /// Adds a quad whose corners run anticlockwise, seen from the front.
     void add_quad(float3 a, float3 b, float3 c, float3 d) {
         const auto first = static_cast<std::uint32_t>(positions.size());
         positions.insert(positions.end(), {a, b, c, d});
         for (const std::uint32_t i : {0u, 1u, 2u, 0u, 2u, 3u}) indices.push_back(first + i);
     }
 
-    /// The four sides of an upright box.
+    /// Adds the four sides of an upright box.
     void add_sides(float3 middle, float half_edge, float height) {
         const std::array<float, 5> x{-1, 1, 1, -1, -1}, z{1, 1, -1, -1, 1};
         for (std::size_t i = 0; i < 4; ++i) {
@@ -88,7 +88,7 @@ void add_walls(Scene& scene, RandomStream& random) {
     scene.add_mesh(mesh);
 }
 
-/// One of mean 0 and deviation 1, near enough to normal.
+/// A random number of mean 0 and deviation 1, near enough to normal.
 float bell(RandomStream& random) {
     float sum = -6.0f;
     for (int i = 0; i < 12; ++i) sum += random.next();
@@ -96,7 +96,7 @@ float bell(RandomStream& random) {
 }
 
 void add_lanterns(Scene& scene, RandomStream& random, std::uint32_t count) {
-    constexpr float kSpread = 1.5f;  // of the logarithm of a lantern's power
+    constexpr float kSpread = 1.5f;  // deviation of the logarithm of a lantern's power
     const float radius = std::fmin(0.1f, 0.1f * std::cbrt(1000.0f / static_cast<float>(count)));
     Shape shape;
     std::vector<float> powers;
@@ -107,7 +107,8 @@ void add_lanterns(Scene& scene, RandomStream& random, std::uint32_t count) {
         powers.push_back(std::exp(kSpread * bell(random)));
         sum += powers.back();
     }
-    const float area = 9.57f * radius * radius;  // of an icosahedron in a sphere of that radius
+    const float area = 9.57f * radius * radius;  // area of an icosahedron in a sphere of that
+                                                 // radius
     std::vector<float3> radiance;
     for (const float power : powers) {
         const float value = power / sum * kTotalPower / area;

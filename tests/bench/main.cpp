@@ -2,8 +2,8 @@
 
 #include <benchmark/benchmark.h>
 
-/// What selecting a light costs, against a shadow ray, and what builds and refits cost. Take a part
-/// with --benchmark_filter=REGEX, as in 'select/culled/.*/lights:54720/.*threads:1'.
+/// Measures what selecting a light costs, against a shadow ray, and what builds and refits cost.
+/// Take a part with --benchmark_filter=REGEX, as in 'select/culled/.*/lights:54720/.*threads:1'.
 int main(int argc, char** argv) {
     benchmark::Initialize(&argc, argv);
     if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;

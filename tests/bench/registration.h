@@ -8,7 +8,7 @@
 
 namespace lightcull::bench {
 
-/// Adds a benchmark by wall time. once: it runs a single time.
+/// Adds a benchmark by wall time. once: the benchmark runs a single time.
 void add(const std::string& name, const std::function<void(benchmark::State&)>& function,
          bool once = false);
 

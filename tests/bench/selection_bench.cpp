@@ -29,7 +29,7 @@ struct Setting {
     int threads;
 };
 
-/// Points of a setting; for a sampler that weighs every light only so many as it can manage.
+/// The points of a setting; for a sampler that weighs every light only so many as it can manage.
 Points points_of(const Setting& setting, const Subject& subject) {
     constexpr std::size_t kMostWork = 100'000'000;
     Points points = make_points(subject, setting.kind);
@@ -47,7 +47,7 @@ void report(benchmark::State& state, std::size_t count) {
         Counter(static_cast<double>(count), Counter::kIsIterationInvariantRate | Counter::kInvert);
 }
 
-/// All of a pass: refit, sorting and selection.
+/// Measures all of a pass: refit, sorting and selection.
 void select_batch(benchmark::State& state, const Setting& setting) {
     Subject& s = subject(setting.sampler, setting.lights);
     const Points points = points_of(setting, s);
@@ -62,7 +62,7 @@ void select_batch(benchmark::State& state, const Setting& setting) {
     report(state, points.points.size());
 }
 
-/// The selection alone, one point after the other.
+/// Measures the selection alone, one point after the other.
 void select_single(benchmark::State& state, const Setting& setting) {
     using Range = tbb::blocked_range<std::size_t>;
     const Subject& s = subject(setting.sampler, setting.lights);
@@ -80,7 +80,7 @@ void select_single(benchmark::State& state, const Setting& setting) {
     report(state, points.points.size());
 }
 
-/// One ray from each point to the light that was chosen for it.
+/// Measures one ray from each point to the light that was chosen for it.
 void shadow_ray(benchmark::State& state, const Setting& setting) {
     const Subject& s = subject(setting.sampler, setting.lights);
     const Points points = points_of(setting, s);
@@ -93,7 +93,7 @@ void shadow_ray(benchmark::State& state, const Setting& setting) {
     report(state, rays.size());
 }
 
-/// What select() at one point takes, counted.
+/// Counts the work of select() at one point.
 void count_work(benchmark::State& state, const Setting& setting) {
     const Subject& s = subject(setting.sampler, setting.lights);
     const Points points = points_of(setting, s);

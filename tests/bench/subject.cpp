@@ -12,7 +12,7 @@
 namespace lightcull::bench {
 namespace {
 
-/// Uniform in the bounds of the lights, facing anywhere, in any order.
+/// Points uniform in the bounds of the lights, facing anywhere, in any order.
 std::vector<ShadingPoint> uniform_points(const Subject& subject) {
     float3 low = subject.scene->lights()[0].center, high = low;
     for (const Light& light : subject.scene->lights()) {

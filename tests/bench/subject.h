@@ -9,17 +9,18 @@
 #include <string>
 #include <vector>
 
-/// What is measured. Making it takes longer than measuring it, so what was asked for last is kept.
+/// The things that are measured. Making one takes longer than measuring it, so the one that was
+/// asked for last is kept.
 
 namespace lightcull::bench {
 
-/// Where points come from.
+/// The kinds of places that points come from.
 enum class PointKind { kCamera, kBounce1, kBounce2, kUniform };
 
 /// The scene of so many lights.
 std::shared_ptr<const Scene> courtyard(std::uint32_t light_count);
 
-/// 640 x 480 pixels, two bounces.
+/// Settings of 640 x 480 pixels and two bounces.
 RenderSettings settings();
 
 /// A sampler over a courtyard.

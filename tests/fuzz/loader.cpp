@@ -5,8 +5,8 @@
 #include <cstdio>
 #include <cstdlib>
 
-/// Any bytes as a scene file: loader.py loads them by the package, and says whether that went as it
-/// must. Its lines of code are libFuzzer's counters.
+/// Takes any bytes as a scene file: loader.py loads them by the package, and says whether that went
+/// as it must. Its lines of code are libFuzzer's counters.
 
 namespace {
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-/// Any lights and any points: set-up refuses them with Error, or what is chosen makes sense.
+/// Takes any lights and any points: set-up refuses them with Error, or what is chosen makes sense.
 
 namespace {
 

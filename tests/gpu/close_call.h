@@ -33,7 +33,7 @@ class CloseCall {
   private:
     static constexpr double kRounding = 2e-6;
 
-    /// kNoGroup if none is accepted.
+    /// The group that is chosen; kNoGroup if none is accepted.
     std::uint32_t choose_group(std::uint32_t set, std::uint32_t u_bits) {
         std::uint32_t chosen = LightGroups::kNoGroup;
         float sum = 0.0f;

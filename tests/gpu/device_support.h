@@ -18,7 +18,7 @@ inline std::unique_ptr<LightSampler> culled() {
     return make_sampler("culled:sets=4", mixed_lights(500, 75));
 }
 
-/// A variable of the environment for as long as this lives.
+/// Sets a variable of the environment for as long as this lives.
 class Environment {
   public:
     Environment(const char* name, const std::string& value) : name_(name) {
@@ -39,22 +39,22 @@ class Environment {
     std::unique_ptr<std::string> before_;
 };
 
-/// While it lives, samplers are made with faulty_layer/. Without the validation layer, for which
-/// what could not be submitted is under way for ever, and without Mesa's, which breaks where there
-/// is no device.
+/// While it lives, samplers are made with faulty_layer/, and without two other layers: that of
+/// validation, for which what could not be submitted is under way for ever, and Mesa's, which
+/// breaks where there is no device.
 struct FaultyLayer {
     Environment path{"VK_ADD_LAYER_PATH", LIGHTCULL_LAYERS};
     Environment instance{"VK_INSTANCE_LAYERS", "VK_LAYER_LIGHTCULL_faulty"};
     Environment no_other{"NODEVICE_SELECT", "1"};
 };
 
-/// While it lives, a call fails, but for the first `after` times.
+/// While it lives, a call fails, but not the first `after` times.
 struct Fault : Environment {
     explicit Fault(const std::string& call_and_value, int after = 0)
         : Environment("LIGHTCULL_FAULT", call_and_value + std::to_string(after)) {}
 };
 
-/// What the action throws; empty if nothing.
+/// The message of what the action throws; empty if it throws nothing.
 template <typename Action>
 std::string error_of(const Action& action) {
     try {

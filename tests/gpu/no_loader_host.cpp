@@ -1,5 +1,5 @@
-// A host on a machine without a loader for Vulkan, which the test plays by hiding it: is told so,
-// and goes on with the processor.
+// A host on a machine without a loader for Vulkan, which the test plays by hiding it: it is told
+// so, and goes on with the processor.
 
 #include <lightcull/error.h>
 #include <lightcull/gpu/vulkan_sampler.h>

@@ -1,5 +1,5 @@
-// What is said when a device fails, and that the processor goes on: by a layer of Vulkan that makes
-// calls fail, faulty_layer/faulty_layer.cpp.
+// These tests show what is said when a device fails, and that the processor goes on. A layer of
+// Vulkan makes calls fail: faulty_layer/faulty_layer.cpp.
 
 #include <doctest/doctest.h>
 #include <lightcull/sampler_info.h>
@@ -13,7 +13,7 @@ using namespace lightcull::testing;
 
 namespace {
 
-/// vk::Result, as the layer reads it.
+/// Values of vk::Result, as the layer reads them.
 constexpr const char *kOutOfHostMemory = " -1 ", *kOutOfDeviceMemory = " -2 ", *kFailed = " -3 ",
                      *kLost = " -4 ", *kTimeout = " 2 ";
 
@@ -29,11 +29,11 @@ void check_that_devices_work() {
     const auto a = chosen_by(*gpu), b = chosen_by(*cpu);
     std::size_t different = 0;
     for (std::size_t i = 0; i < a.size(); ++i) different += a[i] == b[i] ? 0 : 1;
-    CHECK(different <= 2);  // of 1,000: ties
+    CHECK(different <= 2);  // ties, of 1,000 selections
 }
 
-/// That a fault in a pass is told by an Error that ends like this, once, and that the processor
-/// goes on, whether the fault lasts or not.
+/// Checks that a fault in a pass is told by an Error that ends with `told`, once, and that the
+/// processor goes on, whether the fault lasts or not.
 void check_fault(const std::string& call_and_value, const std::string& told) {
     CAPTURE(call_and_value);
     const auto cpu = culled();

@@ -23,16 +23,16 @@ using namespace lightcull;
 
 namespace {
 
-/// Where a member of a record lies.
+/// The place of a member of a record.
 struct Member {
     std::size_t offset, size;
-    bool is_float;  ///< or an array, or a float3, of such; else of integers
+    bool is_float;  ///< a float, or an array or float3 of floats; else integers
 };
 bool operator==(const Member& a, const Member& b) {
     return a.offset == b.offset && a.size == b.size && a.is_float == b.is_float;
 }
 
-/// Its members, and where the next record begins.
+/// The members of a record, and the place where the next record begins.
 struct Layout {
     std::vector<Member> members;
     std::size_t stride;
@@ -41,7 +41,7 @@ bool operator==(const Layout& a, const Layout& b) {
     return a.members == b.members && a.stride == b.stride;
 }
 
-/// What a shader says of its memory.
+/// The layout of its memory that a shader tells.
 class Reflection {
   public:
     explicit Reflection(Span<const std::uint32_t> code) {
@@ -58,7 +58,7 @@ class Reflection {
 
     std::size_t buffer_count() const { return list(SPVC_RESOURCE_TYPE_STORAGE_BUFFER).size(); }
 
-    /// Of the elements of the buffer of a binding.
+    /// The layout of the elements of the buffer of a binding.
     Layout of_binding(unsigned binding) const {
         for (const spvc_reflected_resource& buffer : list(SPVC_RESOURCE_TYPE_STORAGE_BUFFER)) {
             if (spvc_compiler_get_decoration(compiler_, buffer.id, SpvDecorationBinding) !=
@@ -91,7 +91,8 @@ class Reflection {
     spvc_type type_of(spvc_type_id id) const {
         return spvc_compiler_get_type_handle(compiler_, id);
     }
-    /// Of a struct, or of the one that an array is made of; a number counts as its only member.
+    /// The members of a struct, or of the one that an array is made of; a number counts as its only
+    /// member.
     std::vector<Member> members_of(spvc_type_id id) const {
         const spvc_type type = type_of(spvc_type_get_base_type_id(type_of(id)));
         std::vector<Member> result(spvc_type_get_num_member_types(type));
@@ -157,7 +158,7 @@ Layout order() {
     return {{MEMBER(Entry, node), MEMBER(Entry, place)}, sizeof(Entry)};
 }
 
-/// From the axis on, two 16-bit numbers to a word.
+/// The layout of light records: from the axis on, two 16-bit numbers to a word.
 Layout light_records() {
     constexpr std::size_t kAxis = offsetof(LightRecord, axis);
     static_assert(offsetof(LightRecord, cos_theta_o) == kAxis + 6);
@@ -198,7 +199,7 @@ Layout refit_job() {
             sizeof(RefitJob)};
 }
 
-/// In the order of the bindings: all that there are.
+/// Checks all buffers that there are, in the order of the bindings.
 void check(Span<const std::uint32_t> code, const std::vector<Layout>& buffers, const Layout& job) {
     const Reflection shader(code);
     CHECK(shader.buffer_count() == buffers.size());

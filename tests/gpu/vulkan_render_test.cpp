@@ -94,7 +94,7 @@ TEST_CASE("the mean image by a device's selections is that of another sampler") 
         blocks(scene, settings, make_scene_sampler("exhaustive", *scene, settings));
     const auto by_device = blocks(scene, others, on_device(*scene, others));
     CHECK(statistics::worst_p(by_device, reference) > statistics::least_p());
-    // One that is off by a fifth must be caught.
+    // A sampler that is off by a fifth must be caught.
     const auto skewed =
         blocks(scene, others, std::make_unique<SkewedSampler>(on_device(*scene, others)));
     CHECK_FALSE(statistics::worst_p(skewed, reference) > statistics::least_p());

@@ -20,7 +20,7 @@ using namespace lightcull::testing;
 
 namespace {
 
-/// In each scene; LIGHTCULL_GPU_POINTS asks for others.
+/// The number of points in each scene; LIGHTCULL_GPU_POINTS asks for another.
 std::uint32_t point_count() {
     const char* wanted = std::getenv("LIGHTCULL_GPU_POINTS");
     return wanted == nullptr ? 20'000 : static_cast<std::uint32_t>(std::stoul(wanted));
@@ -37,7 +37,7 @@ struct Case {
     const char* description;
 };
 
-/// What the processor and a device choose at the same points.
+/// The lights that the processor and a device choose at the same points.
 struct BothWays {
     std::unique_ptr<LightSampler> cpu, gpu;
     std::vector<ShadingPoint> points;
@@ -58,7 +58,7 @@ struct BothWays {
     }
 };
 
-/// The last of them has more nodes than a walk reads first in, first out.
+/// The cases. The last of them has more nodes than a walk reads first in, first out.
 constexpr Case kCases[] = {{1, "culled"},
                            {30, "culled:sets=4"},
                            {1'000, "culled:sets=16"},
@@ -139,7 +139,7 @@ TEST_CASE("batches of any size, from a device's point of view") {
     const auto lights = mixed_lights(300, 77);
     const auto cpu = make_sampler("culled:sets=4", lights);
     const auto gpu = make_vulkan_sampler(make_sampler("culled:sets=4", lights));
-    // The largest is handed over in two parts.
+    // The largest batch is handed over in two parts.
     for (const std::uint32_t count : {0u, 1u, 63u, 65u, (1u << 17) + 1u}) {
         CAPTURE(count);
         for (LightSampler* sampler : {cpu.get(), gpu.get()}) sampler->begin_pass(count);

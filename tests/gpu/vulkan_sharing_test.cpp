@@ -1,4 +1,4 @@
-// Samplers side by side, one sampler on several threads, and what a pass takes.
+// These tests show samplers side by side, one sampler on several threads, and what a pass takes.
 
 #include <doctest/doctest.h>
 #include <lightcull/sampler_info.h>

@@ -46,7 +46,7 @@ int main() {
     std::vector<Selection> selections(kPoints);
     for (Selection& selection : selections) selection.light = 77;
 
-    tbb::task_arena arena(1);  // other threads would want memory, too
+    tbb::task_arena arena(1);  // one thread: others would want memory, too
     rlimit unlimited{};
     getrlimit(RLIMIT_AS, &unlimited);
     constexpr rlim_t kSome = rlim_t{4} << 20;  // less than 8 bytes a point

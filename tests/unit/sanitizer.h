@@ -2,7 +2,7 @@
 
 namespace lightcull::testing {
 
-/// Whether the thread sanitizer instruments this build. Code runs some thirty times slower in it,
+/// True if the thread sanitizer instruments this build. Code runs some thirty times slower in it,
 /// and what is repeated to find a rare wrong number shows it no more races than the first few times
 /// do.
 #if defined(__SANITIZE_THREAD__)
@@ -13,7 +13,7 @@ inline constexpr bool kThreadSanitizer = __has_feature(thread_sanitizer);
 inline constexpr bool kThreadSanitizer = false;
 #endif
 
-/// Whether the address sanitizer does, which ends a process that asks for memory there is not.
+/// True if the address sanitizer does, which ends a process that asks for memory there is not.
 #if defined(__SANITIZE_ADDRESS__)
 inline constexpr bool kAddressSanitizer = true;
 #elif defined(__clang__)

@@ -6,13 +6,13 @@
 #include <cstddef>
 #include <vector>
 
-/// Statistical comparisons that share one rate of false alarms.
+/// These comparisons of statistics share one rate of false alarms.
 
 namespace statistics {
 
-/// Were nothing wrong and the random numbers drawn anew, all comparisons of the renderer's tests
-/// together would fail once in a thousand times (Sidak's correction). The seeds are fixed: a red
-/// test means a change of the code.
+/// The rate of false alarms. Were nothing wrong and the random numbers drawn anew, all comparisons
+/// of the renderer's tests together would fail once in a thousand times (Sidak's correction). The
+/// seeds are fixed: a red test means a change of the code.
 inline constexpr double kFalseAlarmRate = 1e-3;
 inline constexpr double kMostComparisons = 10000.0;
 
@@ -21,20 +21,20 @@ inline double least_p() {
     return -std::expm1(std::log1p(-kFalseAlarmRate) / kMostComparisons);
 }
 
-/// Two-sided p-value of a standard normal deviate.
+/// The two-sided p-value of a standard normal deviate.
 inline double p_of_z(double z) {
     return std::erfc(std::fabs(z) / std::sqrt(2.0));
 }
 
-/// Probability that chi-square with that many degrees of freedom is larger (Wilson and Hilferty's
-/// approximation).
+/// The probability that chi-square with that many degrees of freedom is larger (Wilson and
+/// Hilferty's approximation).
 inline double p_of_chi_square(double chi_square, double degrees) {
     const double spread = 2.0 / (9.0 * degrees);
     const double z = (std::cbrt(chi_square / degrees) - (1.0 - spread)) / std::sqrt(spread);
     return 0.5 * std::erfc(z / std::sqrt(2.0));
 }
 
-/// Mean of samples, and the variance of that mean.
+/// The mean of samples, and the variance of that mean.
 struct Estimate {
     double mean = 0.0, variance = 0.0;
 };

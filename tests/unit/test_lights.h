@@ -58,7 +58,7 @@ inline GlossyLobe random_lobe(RandomStream& random) {
     return {axis * (1.0f / length(axis)), alpha, 10.0f * random.next()};
 }
 
-/// With and without normals and glossy lobes.
+/// Points with and without normals and glossy lobes.
 inline std::vector<ShadingPoint> mixed_points(std::uint32_t count, std::uint64_t seed,
                                               std::uint32_t set_count, float half_extent = 1.2f) {
     RandomStream random(seed);

@@ -55,7 +55,7 @@ PFN_vkVoidFunction next(VkPhysicalDevice device, const char* name) {
 PFN_vkVoidFunction next(VkInstance instance, const char* name) {
     return next_of_instance(table_of(instance), name);
 }
-template <typename Object>  // a device, or what belongs to one
+template <typename Object>  // Object: a device, or what belongs to one
 PFN_vkVoidFunction next(Object object, const char* name) {
     const std::lock_guard lock(mutex);
     const NextDevice& found = devices.at(table_of(object));
@@ -107,7 +107,8 @@ VKAPI_ATTR VkResult VKAPI_CALL wait_for_fences(VkDevice device, uint32_t count,
     const auto wait = next_as<PFN_vkWaitForFences>(device, "vkWaitForFences");
     if (fault("hung")) {
         if (timeout == UINT64_MAX) end_if_hung("an endless wait");
-        wait(device, count, fences, all, UINT64_MAX);  // what is freed then may be in use no more
+        wait(device, count, fences, all, UINT64_MAX);  // what is freed after the wait may be in use
+                                                       // no more
         return VK_TIMEOUT;
     }
     const std::optional<int> result = fault("vkWaitForFences");

@@ -1,4 +1,4 @@
-// One triangle that shines at the camera, rendered and shown: every library is linked and runs.
+// Renders and shows one triangle that shines at the camera: every library is linked and runs.
 
 #include <lightcull/image/image.h>
 #include <lightcull/render/renderer.h>

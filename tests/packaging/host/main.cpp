@@ -1,5 +1,5 @@
-// What a host relies on, wherever the library is: its version, errors that are caught by their type,
-// and samplers that a second library of lightcull tells apart by theirs.
+// What a host relies on, wherever the library is: its version, errors that are caught by their
+// type, and samplers that a second library of lightcull tells apart by theirs.
 
 #include <lightcull/error.h>
 #include <lightcull/samplers.h>
@@ -13,7 +13,7 @@
 
 namespace {
 
-/// What is thrown, if it is a lightcull::Error.
+/// The Error that a call throws, if it throws one.
 template <typename Call>
 void print_error(const char* name, Call&& call) {
     try {

@@ -91,7 +91,7 @@ Image one_pixel(float3 pixel) {
     return {1, 1, {pixel}};
 }
 
-/// what() of the Error that `function` throws, or "".
+/// The text of the Error that `function` throws, or "".
 template <typename Function>
 std::string error_of(Function&& function) {
     try {
@@ -198,7 +198,7 @@ TEST_CASE("image: what cannot be read is an error of one line with the path") {
     write_bytes(folder / "huge.pgm", "P5\n2000000000 2000000000\n255\n");
     REQUIRE(::mkfifo((folder / "pipe.png").c_str(), 0600) == 0);
     write_bytes(folder / "large.pgm", "P5\n300000 300000\n255\n");
-    // Newer OpenImageIO refuses it before we do.
+    // Newer OpenImageIO refuses the file before we do.
     CHECK(contains(error_of([&] { lightcull::read_image(folder / "large.pgm"); }), "300000"));
     for (const char* name : {"missing.exr", "cut.exr", "cut.png", "cut.tif", "header.exr",
                              "text.png", "pipe.png", "empty.exr", "huge.pgm", "large.pgm", "."}) {

@@ -24,17 +24,17 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// What happens to the calls of the system, and what they were.
+/// The calls of the system that fail or end the process, and those that there were.
 struct Disk {
     std::vector<std::string> calls;
     int fail_at = INT_MAX;  ///< number of the call that answers `error`
     int die_at = INT_MAX;   ///< number of the call before which the process dies
     int error = 0;
-    std::size_t most_bytes = SIZE_MAX;  ///< that one write() takes
+    std::size_t most_bytes = SIZE_MAX;  ///< bytes that one write() takes
 };
 Disk* disk = nullptr;
 
-/// Whether the call is to go on.
+/// True if the call is to go on.
 bool note(const std::string& call) {
     if (disk == nullptr) return true;
     const int number = static_cast<int>(disk->calls.size());

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-/// Every way to render a scene gives the same image in the mean, block by block; and the tests that
-/// say so see it when a way is wrong.
+/// These tests show that every way to render a scene gives the same image in the mean, block by
+/// block, and that they see it when a way is wrong.
 
 using namespace render_support;
 using statistics::Estimate;
@@ -48,7 +48,7 @@ std::shared_ptr<const Scene> hall(const Material& floor_material, bool only_area
         scene->add_spot_light({3, 2.5f, 3}, {-1, -1, -1}, {20, 20, 20}, 0.2f, 0.5f);
     }
     if (sky) scene->set_environment(constant_environment(0.5f));
-    // Low enough that no lamp is in sight: their edges would be most of the noise.
+    // The camera looks so low that no lamp is in sight: their edges would be most of the noise.
     scene->set_camera(look({0.5f, 1.0f, 5.5f}, {0.3f, -1.4f, 0}, 0.7f));
     return committed(scene);
 }
@@ -110,7 +110,7 @@ class NaiveSampler final : public LightSampler {
     float prob(const ShadingPoint& point, const Receipt& receipt,
                std::uint32_t light) const noexcept override {
         if (rule_ == NaiveRule::kZero) return 0.0f;
-        // Beside so large a sum the light's own weight is nothing, accepted or not.
+        // The weight beside which the light's own is nothing, accepted or not.
         constexpr float kHuge = 1e20f;
         const float importance = kHuge * inner_->prob(point, {kHuge, receipt.key}, light);
         return importance / receipt.weight_sum;
@@ -171,7 +171,7 @@ TEST_CASE("every sampler's mean image is that of the exhaustive one") {
                 blocks(scene, settings_of(DirectLight::kMis, max_depth, 7), sampler, 700);
             CHECK(agree(other, exhaustive));
         }
-        // Biased as it is, clamped must be caught.
+        // The sampler `clamped`, biased as it is, must be caught.
         const auto clamped = blocks(scene, settings, "clamped:accepted=3", 700);
         CHECK_FALSE(agree(clamped, exhaustive));
     }

@@ -54,7 +54,8 @@ const std::vector<V3f>& views() {
     return all;
 }
 
-/// Cells of equal solid angle: in the cosine, and in the angle about the normal.
+/// The cells have equal solid angle: they are equal in the cosine, and in the angle about the
+/// normal.
 constexpr int kRows = 8, kColumns = 16;
 constexpr double kCellSolidAngle = 2.0 * 3.14159265358979323846 / (kRows * kColumns);
 
@@ -218,7 +219,8 @@ TEST_CASE("the parts that light samplers are told of are the BSDF in the mirror 
             };
             const V3f mirrored(-outgoing.x, -outgoing.y, outgoing.z);
             CHECK(estimate(mirrored) == doctest::Approx(truth(mirrored)).scale(0.0).epsilon(1e-3));
-            // From above, where masking and cosines change little, also around it.
+            // Seen from above, where masking and cosines change little, the estimate also holds
+            // around the mirrored direction.
             if (outgoing.z < 1.0f) continue;
             for (const float tilt : {0.05f, 0.2f, 0.4f}) {
                 const V3f aside(std::sin(tilt), 0.0f, std::cos(tilt));

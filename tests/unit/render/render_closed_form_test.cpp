@@ -54,7 +54,7 @@ void check_equals(const Estimate& estimate, double exact) {
     // Where all samples are alike, rounding is what is left.
     if (std::fabs(estimate.mean - exact) < 2e-5 * exact) return;
     CHECK(statistics::p_of_z(statistics::z_of(estimate, {exact, 0.0})) > statistics::least_p());
-    // The comparison is worth something.
+    // The error is so small that the comparison is worth something.
     CHECK(std::sqrt(estimate.variance) < 0.01 * exact);
 }
 
@@ -165,7 +165,7 @@ TEST_CASE("in a furnace a white surface cannot be seen") {
         scene->add_material(diffuse(1.0f));
         Shape shape;
         shape.add_sphere({0, 0, 0}, 1.0f, 12);
-        // A concave corner, too: it takes several bounces.
+        // The shape has a concave corner, too: it takes several bounces.
         shape.add_level_square({0, -1.0f, 0}, 2.0f, true);
         scene->add_mesh(shape.mesh("white", 0));
         scene->set_environment(constant_environment(1.0f));

@@ -18,7 +18,7 @@ using lightcull::V3f;
 
 namespace {
 
-/// Van Oosterom and Strackee 1983, seen from the origin.
+/// The solid angle of a triangle seen from the origin: Van Oosterom and Strackee 1983.
 double solid_angle(V3f a, V3f b, V3f c) {
     a.normalize();
     b.normalize();

@@ -53,10 +53,10 @@ TEST_CASE("an environment's middle column is towards -Z, its right half towards 
         map.texels.push_back({v, v, v});
     }
     const EnvironmentMap upright({map, {1, 1, 1}, 0.0f});
-    // Between texels 1 and 2, and between 5 and 6.
+    // The direction lies between texels 1 and 2, and between 5 and 6.
     CHECK(upright.radiance(unit(V3f(0, 1, -1))).x == doctest::Approx(2.5));
     CHECK(upright.radiance(unit(V3f(0, -1, -1))).x == doctest::Approx(6.5));
-    // Between 2 and 3, and between 3 and 0.
+    // The direction lies between 2 and 3, and between 3 and 0.
     CHECK(upright.radiance(unit(V3f(1, 1, 0))).x == doctest::Approx(3.5));
     CHECK(upright.radiance(unit(V3f(0, 1, 1))).x == doctest::Approx(2.5));
     // A quarter turn about +Y carries -Z to -X.

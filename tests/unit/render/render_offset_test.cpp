@@ -10,8 +10,8 @@
 #include <cmath>
 #include <vector>
 
-/// Rays that leave a surface neither hit it again nor pass through its neighbours, whatever the
-/// size of the scene and wherever it lies.
+/// These tests show that rays that leave a surface neither hit it again nor pass through its
+/// neighbours, whatever the size of the scene and wherever it lies.
 
 using namespace render_support;
 using lightcull::Basis;
@@ -28,7 +28,7 @@ namespace {
 struct Place {
     float scale;
     V3f offset;
-    int allowed = 0;  ///< rays of 100,000 that may go wrong
+    int allowed = 0;  ///< number of rays of 100,000 that may go wrong
 };
 
 const std::vector<Place>& places() {
@@ -55,7 +55,7 @@ Shape moved(const Place& place, Shape shape) {
     return shape;
 }
 
-/// Surfaces that rays from a point in all directions meet.
+/// The surfaces that rays from a point in all directions meet.
 std::vector<Surface> seen_from(const SceneData& scene, const V3f& point, std::uint64_t key,
                                std::size_t count) {
     RandomStream random(key);

@@ -191,8 +191,8 @@ TEST_CASE("camera points are first hits with the normal towards the camera") {
 }
 
 TEST_CASE("samples are finite and not negative, whatever the scene") {
-    // Mirrors, smooth normals that point anywhere, slivers, triangles without area, lamps that lie
-    // in surfaces, a sun.
+    // The scene has mirrors, smooth normals that point anywhere, slivers, triangles without area,
+    // lamps that lie in surfaces, and a sun.
     auto scene = std::make_shared<Scene>();
     scene->add_material(metal(0.0f));
     Material plastic = metal(0.0f, 0.0f);

@@ -13,7 +13,7 @@ namespace {
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
-/// What the error says that the function throws.
+/// The text of the error that the function throws.
 std::string error_of(const std::function<void()>& function) {
     try {
         function();

@@ -6,7 +6,7 @@
 
 #include "unit/render/render_support.h"
 
-/// Renderers that go on from the state of another.
+/// These tests show that renderers go on from the state of another.
 
 using namespace render_support;
 

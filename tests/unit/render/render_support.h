@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-/// What the renderer's tests build their scenes from.
+/// The parts from which the renderer's tests build their scenes.
 
 namespace render_support {
 
@@ -24,14 +24,14 @@ struct Shape {
     std::vector<float3> positions;
     std::vector<std::uint32_t> indices;
 
-    /// Corners anticlockwise, seen from the front.
+    /// Adds a quad whose corners run anticlockwise, seen from the front.
     void add_quad(float3 a, float3 b, float3 c, float3 d) {
         const auto first = static_cast<std::uint32_t>(positions.size());
         positions.insert(positions.end(), {a, b, c, d});
         for (const std::uint32_t i : {0u, 1u, 2u, 0u, 2u, 3u}) indices.push_back(first + i);
     }
 
-    /// A horizontal square about (x, y, z), facing up or down.
+    /// Adds a horizontal square about (x, y, z), facing up or down.
     void add_level_square(float3 center, float half_edge, bool up) {
         const float h = half_edge;
         const auto [x, y, z] = center;
@@ -42,7 +42,7 @@ struct Shape {
         }
     }
 
-    /// Facing outwards.
+    /// Adds a sphere that faces outwards.
     void add_sphere(float3 center, float radius, std::uint32_t rows) {
         const auto first = static_cast<std::uint32_t>(positions.size());
         const std::uint32_t columns = 2 * rows;
@@ -91,7 +91,7 @@ inline Material metal(float roughness, float base_color = 1.0f) {
     return m;
 }
 
-/// Half of it metal.
+/// A glossy material, half of it metal.
 inline Material gloss(float roughness) {
     Material m = metal(roughness, 0.8f);
     m.metallic = 0.5f;
@@ -150,8 +150,8 @@ inline double luminance(float3 c) {
            0.0722 * static_cast<double>(c.z);
 }
 
-/// Mean luminance of each block of pixels, and last of the image, over many passes. The variance
-/// is that among passes, so that pixels may depend on each other.
+/// The mean luminance of each block of pixels, and last of the image, over many passes. The
+/// variance is that among passes, so that pixels may depend on each other.
 inline std::vector<statistics::Estimate> render_blocks(const std::shared_ptr<const Scene>& scene,
                                                        const RenderSettings& settings,
                                                        std::unique_ptr<LightSampler> sampler,
@@ -181,7 +181,7 @@ inline std::vector<statistics::Estimate> render_blocks(const std::shared_ptr<con
     return estimates;
 }
 
-/// The same of the image alone.
+/// The mean luminance of the image alone, over many passes.
 inline statistics::Estimate render_mean(const std::shared_ptr<const Scene>& scene,
                                         const RenderSettings& settings,
                                         std::string_view sampler = "power",

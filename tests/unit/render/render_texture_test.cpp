@@ -55,7 +55,7 @@ TEST_CASE("the mean is never 0 where a lookup is not") {
     const Texture spark = grey(512, 512, values);
     CHECK(mean_luminance(spark, {0, 0}, {1, 0}, {0, 1}) > 0.0f);
     CHECK(mean_luminance(spark, {0, 0}, {30, 0}, {0, 30}) > 0.0f);
-    // As far from the texel's middle as a lookup still feels it.
+    // The place is as far from the texel's middle as a lookup still feels it.
     const float u = (77.5f + 0.98f) / 512.0f, v = 1.0f - (101.5f - 0.98f) / 512.0f;
     CHECK(lookup(spark, {u, v}).x > 0.0f);
     CHECK(mean_luminance(spark, {u, v}, {u + 0.3f, v}, {u, v + 0.3f}) > 0.0f);

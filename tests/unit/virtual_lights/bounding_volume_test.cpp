@@ -26,7 +26,7 @@ V3f random_direction(RandomStream& random) {
 /// A light of some normal, incoming direction above it, and reflectance.
 VirtualLight random_light(RandomStream& random, Lobe lobe, float alpha) {
     const V3f normal = random_direction(random);
-    // Every fourth comes in at a grazing angle.
+    // Every fourth light comes in at a grazing angle.
     const float cosine = random.next() < 0.25f ? 0.01f : 0.01f + 0.98f * random.next();
     const float sine = std::sqrt(1.0f - cosine * cosine), angle = 2.0f * kPi * random.next();
     const V3f incoming =
@@ -36,7 +36,7 @@ VirtualLight random_light(RandomStream& random, Lobe lobe, float alpha) {
         V3f(random.next(), 2.0f, -1.0f), normal, incoming, V3f(1.0f, 2.0f, 0.5f), f0, alpha, lobe};
 }
 
-/// How far from the centre of the spheroid, in radii, a place is: 1 on it.
+/// The distance of a place from the centre of the spheroid, in radii: 1 on it.
 double stretched_distance(const Spheroid& s, const V3f& place) {
     const Imath::V3d way = Imath::V3d(place) - Imath::V3d(s.center);
     const Imath::V3d axis = Imath::V3d(s.axis).normalized();
@@ -92,8 +92,8 @@ TEST_CASE("bounding volumes: nothing with p > xi lies outside, whatever the roug
 }
 
 TEST_CASE("bounding volumes: the diffuse sphere and the spheroid could not be smaller") {
-    // The isosurface touches the sphere at the widest place, and fails one whose centre is where
-    // the paper prints it.
+    // The isosurface touches the sphere at the widest place, and is not held by one whose centre is
+    // where the paper prints it.
     RandomStream random(4);
     const VirtualLight light = random_light(random, Lobe::kDiffuse, 1.0f);
     const Spheroid sphere = bounding_volume(light, 1.0f, BoundingVolume::kSpheroid);
@@ -102,7 +102,7 @@ TEST_CASE("bounding volumes: the diffuse sphere and the spheroid could not be sm
     const V3f printed = light.position + light.normal * (range * std::pow(1.0f / 3.0f, 0.25f));
     CHECK((printed - light.position).length() > sphere.radius);
 
-    // [TH17] Eq. 12 is a spheroid: on it in every direction.
+    // The shape of [TH17] Eq. 12 is a spheroid: the isosurface lies on it in every direction.
     for (const float alpha : {1e-3f, 0.05f, 0.5f, 1.0f}) {
         const VirtualLight glossy = random_light(random, Lobe::kGlossy, alpha);
         const Spheroid s = bounding_volume(glossy, 3.0f, BoundingVolume::kSpheroid);
@@ -118,7 +118,8 @@ TEST_CASE("bounding volumes: the diffuse sphere and the spheroid could not be sm
             CHECK(stretched_distance(s, place) == doctest::Approx(1.0).scale(0.0).epsilon(1e-3));
         }
     }
-    // With the light in the plane of incidence, Fresnel 1 and rough masking, it is reached there.
+    // With the light in the plane of incidence, Fresnel 1 and rough masking, the bound is reached
+    // there.
     VirtualLight metal = random_light(random, Lobe::kGlossy, 0.02f);
     metal.f0 = V3f(1.0f);
     metal.incoming = unit(metal.normal + Basis(metal.normal).tangent * 0.2f);
@@ -178,7 +179,7 @@ TEST_CASE("tiles: a light whose volume holds a point of the tile is never culled
             }
         }
     }
-    // It culls, and does not keep much more than it must.
+    // The volume culls, and does not keep much more than it must.
     CHECK(inside > 20000);
     CHECK(kept < tested / 2);
     CHECK(kept < 2 * inside);

@@ -86,7 +86,7 @@ double mean_luminance_of(const std::vector<V3f>& pixels) {
     return sum / static_cast<double>(pixels.size());
 }
 
-/// Mean relative difference, by luminance, over pixels that are not black.
+/// The mean relative difference, by luminance, over pixels that are not black.
 double difference(const std::vector<V3f>& a, const std::vector<V3f>& b) {
     double sum = 0.0, count = 0.0;
     for (std::size_t i = 0; i < a.size(); ++i) {
@@ -176,7 +176,7 @@ TEST_CASE("grid: a light stands for others by their variance and the spread of t
     CHECK(all.deviation.x == doctest::Approx(2.0 / std::sqrt(12.0)).scale(0.0).epsilon(0.02));
     CHECK(all.deviation.y == doctest::Approx(1.0 / std::sqrt(12.0)).scale(0.0).epsilon(0.02));
     CHECK(all.deviation.z == doctest::Approx(0.0));
-    // Directions alike: a quarter of the peak.
+    // The normals point anywhere alike, which gives a quarter of the peak.
     CHECK(intensity(all, V3f(0, 1, 0)).x == doctest::Approx(5000.0).scale(0.0).epsilon(0.03));
 
     VirtualLight flat{};
@@ -275,7 +275,7 @@ TEST_CASE("a-trous: noise is smoothed, an edge of the geometry stays, and what i
     Room room(10, 64);
     std::vector<float> values(room.view.hit.size(), -1.0f);
     lightcull::RandomStream random(3);
-    // Bright on the floor, dark on the walls, and noise of 0.1.
+    // The truth is bright on the floor and dark on the walls, and the noise is 0.1.
     const auto truth = [&](std::size_t i) {
         return room.view.surfaces[i].normal.y > 0.9f ? 0.8f : 0.2f;
     };
@@ -293,5 +293,5 @@ TEST_CASE("a-trous: noise is smoothed, an edge of the geometry stays, and what i
         squares += off * off;
         count += 1.0;
     }
-    CHECK(std::sqrt(squares / count) < 0.025);  // before: 0.058
+    CHECK(std::sqrt(squares / count) < 0.025);  // before the filter: 0.058
 }

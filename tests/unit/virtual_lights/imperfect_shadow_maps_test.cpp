@@ -75,7 +75,7 @@ TEST_CASE("point cloud: what is near is found, and little else") {
 
 TEST_CASE("imperfect shadow maps: a plate casts a shadow") {
     const auto cloud = cloud_of_plate_and_floor();
-    // Below the plate, facing up: Program 1 keeps what turns its back on the light.
+    // The light is below the plate, facing up: Program 1 keeps what turns its back on the light.
     const std::vector<VirtualLight> lights{light_at({0, 0.01f, 0}, {0, 1, 0})};
     const float ranges[] = {10.0f};
     const ImperfectShadowMaps maps(lights, ranges, cloud, 1);
@@ -112,7 +112,7 @@ TEST_CASE("imperfect shadow maps: the shadow of a plate to one side lies on that
 
 TEST_CASE("imperfect shadow maps: points are culled by range and facing") {
     const auto cloud = cloud_of_plate_and_floor();
-    // Above both, facing down: both face the light.
+    // The light is above both, facing down: both face it.
     const std::vector<VirtualLight> above{light_at({0, 2, 0}, {0, -1, 0})};
     const std::vector<VirtualLight> below{light_at({0, -1, 0}, {0, 1, 0})};
     const float far[] = {100.0f}, near[] = {0.5f};
@@ -122,7 +122,7 @@ TEST_CASE("imperfect shadow maps: points are culled by range and facing") {
     CHECK(splatted(above, far) == 0);
     CHECK(splatted(below, far) == kPerMap);
     CHECK(splatted(below, near) == 0);
-    // With all that turns its back on it below its surface.
+    // The light is between both, facing down: all that turns its back on it is below its surface.
     const std::vector<VirtualLight> between{light_at({0, 0.25f, 0}, {0, -1, 0})};
     CHECK(splatted(between, far) == 0);
 }

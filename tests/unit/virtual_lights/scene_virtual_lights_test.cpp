@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-/// Virtual lights among the lights that the path tracer's samplers choose from.
+/// These tests show virtual lights among the lights that the path tracer's samplers choose from.
 
 using namespace render_support;
 using statistics::Accumulator;
@@ -63,7 +63,7 @@ TEST_CASE("over virtual lights culled gives the mean of exhaustive, from sharp t
             CAPTURE(sampler);
             CHECK(statistics::worst_p(blocks(scene, sampler, 301), exact) > statistics::least_p());
         }
-        // The test sees what is too dark.
+        // The test sees an image that is too dark.
         CHECK(statistics::worst_p(blocks(scene, "clamped:accepted=8", 302), exact) <
               statistics::least_p());
     }

@@ -32,7 +32,7 @@ std::shared_ptr<Scene> corner(float glossy_roughness, float field_of_view = 0.7f
     return scene;
 }
 
-/// Sums of tiled lighting for the same camera points and virtual lights in every pass.
+/// The sums of tiled lighting for the same camera points and virtual lights in every pass.
 class Passes {
   public:
     Passes(const Scene& scene, const std::string& method, std::uint32_t edge = 48)
@@ -47,7 +47,8 @@ class Passes {
         for (const auto h : view_.hit) seen_ += h;
     }
 
-    /// reach: that of random ranges; of constant ones such that the error bound is the same.
+    /// reach: the reach of random ranges; that of constant ones is such that the error bound is the
+    /// same.
     std::vector<V3f> pass(std::uint64_t number, float reach = 1.0f) {
         const bool constant = options_.method == VirtualLightMethod::kClamped;
         const auto count = static_cast<float>(lights_.size());
@@ -61,7 +62,7 @@ class Passes {
         return pixels;
     }
 
-    /// Of the blocks of an image, over passes.
+    /// The estimates of the blocks of an image, over passes.
     std::vector<Estimate> blocks(std::uint32_t passes, float reach) {
         constexpr std::uint32_t kBlock = 12;
         const std::uint32_t columns = view_.width / kBlock;
@@ -127,7 +128,7 @@ TEST_CASE("vpl_culled equals vpl_all in the mean, vpl_clamped does not") {
             CHECK(culled.counts.accepted * 10 < culled.seen() * culled.lights().size());
             CHECK(statistics::worst_p(means, all) > statistics::least_p());
         }
-        // With more lights than vpl_culled accepts, and still too dark.
+        // The clamped method has more lights than vpl_culled accepts, and is still too dark.
         Passes culled(*scene, "vpl_culled:interleave=8" + lights);
         Passes clamped(*scene, "vpl_clamped:interleave=8" + lights);
         culled.pass(0, 60.0f);
@@ -286,7 +287,7 @@ TEST_CASE("random numbers shared by all pixels leave a pixel the variance of its
               doctest::Approx(sum).epsilon(1e-4).scale(0.0));
     }
     CHECK(too_near > 10);
-    // By rays as many as there are lights that give a pixel anything, but for rounding.
+    // The shadow rays are as many as there are lights that give a pixel anything, but for rounding.
     Passes shadowed(*scene, "vpl_all:lights=300:interleave=1:shadows=rays", 16);
     shadowed.pass(0);
     CHECK(static_cast<double>(shadowed.counts.shadow_rays) ==
@@ -311,7 +312,7 @@ TEST_CASE("random numbers shared by all pixels leave a pixel the variance of its
 }
 
 TEST_CASE("virtual lights agree with the path tracer") {
-    // Bounces between large diffuse surfaces, where nothing is near a virtual light for long.
+    // Light bounces between large diffuse surfaces, where nothing is near a virtual light for long.
     const auto scene = corner(1.0f);
     RenderSettings settings = square_image(32, 4);
     const Estimate traced = render_mean(scene, settings, "power", 600);

@@ -151,7 +151,8 @@ TEST_CASE(
         above[kind] += way.y > 0.0f ? 1.0 : 0.0;
         if (kind == kPoint) sum += way;
     }
-    // Of some thousands of rays each: 5 standard errors and more, as for all that follows.
+    // The means are of some thousands of rays each: 5 standard errors and more, as for all that
+    // follows.
     for (int kind = 0; kind < kKinds; ++kind) {
         CAPTURE(kind);
         REQUIRE(number[kind] > 4000.0);
@@ -186,7 +187,7 @@ TEST_CASE("virtual lights: a textured lamp sends light from where it is bright")
     int dark = 0, bright = 0;
     for (const lightcull::LightRay& ray : emit(EmissionTable(data_of(*scene)), 2000, 1)) {
         const float x = ray.ray.origin.x;
-        // Away from where texels are blended.
+        // The places are away from where texels are blended.
         if (x > 0.15f && x < 0.35f) CHECK((++dark, ray.flux.x) == 0.0f);
         if (x > 0.65f && x < 0.85f) CHECK((++bright, ray.flux.x) > 0.0f);
     }
@@ -198,7 +199,7 @@ TEST_CASE("virtual lights: paths that begin alike part, and lights lie along a c
     auto scene = box(0.9f);
     scene->add_point_light({0, 0, 0}, {1, 1, 1});
     scene->commit();
-    // As many as several tasks have.
+    // The paths are as many as several tasks have.
     const lightcull::LightRay down{{V3f(0.0f), V3f(0.0f, -1.0f, 0.0f)}, V3f(1.0f)};
     const std::vector<lightcull::LightRay> starts(10000, down);
     std::set<std::array<float, 3>> places;
@@ -299,7 +300,7 @@ TEST_CASE("virtual lights: the lobes of a surface send out what its BSDF does") 
             CHECK(lights.size() == (metallic == 1.0f ? 1 : 2));
             lightcull::RandomStream random(7);
             for (int i = 0; i < 1000; ++i) {
-                // Half of the directions about the mirrored one.
+                // Half of the directions lie about the mirrored one.
                 V3f out(random.next() - 0.5f, random.next() - 0.5f, random.next() - 0.2f);
                 if (i % 2 == 0) out = V3f(-0.4f, 0.2f, 0.6f) + out * 0.1f;
                 out = lightcull::unit(out);

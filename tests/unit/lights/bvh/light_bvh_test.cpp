@@ -28,7 +28,7 @@ namespace {
 constexpr std::size_t kWidth = LightBvhNode::kWidth;
 constexpr double kPi = 3.14159265358979323846;
 
-/// Icosahedra at random, each face a light: what many scenes are made of.
+/// Icosahedra at random, each face a light: many scenes are made of such.
 std::vector<Light> lanterns(std::uint32_t count, std::uint64_t seed) {
     constexpr float kGolden = 1.618034f;
     constexpr float3 kCorners[12] = {{-1, kGolden, 0},  {1, kGolden, 0},   {-1, -kGolden, 0},
@@ -75,8 +75,8 @@ LightBvhImportances importances(const Node& node, const Receiver& point) {
     return result;
 }
 
-/// The probability of every light by a walk over the whole tree, and what goes to nodes none of
-/// whose lights can reach the point.
+/// The probability of every light by a walk over the whole tree, and the probability that goes to
+/// nodes none of whose lights can reach the point.
 struct AllProbs {
     std::vector<double> of;
     double lost = 0.0;
@@ -107,7 +107,7 @@ bool is_light(std::uint32_t child) {
     return (child & LightBvhNode::kLight) != 0;
 }
 
-/// Longest path in nodes; checks on the way that each lit light has its slot and each node its
+/// The longest path in nodes; checks on the way that each lit light has its slot and each node its
 /// parent.
 template <typename Node>
 std::size_t check_links(const LightTable& table, const LightBvh<Node>& bvh) {
@@ -143,7 +143,7 @@ bool same_bytes(const LightBvh<Node>& a, const LightBvh<Node>& b) {
            std::memcmp(a.nodes.data(), b.nodes.data(), a.nodes.size() * sizeof a.nodes[0]) == 0;
 }
 
-/// One point of a sphere and one direction of a cone.
+/// The direction at an angle from a cone's axis, on a random side of it.
 float3 direction_in_cone(RandomStream& random, const EmissionCone& cone, float angle) {
     const float3 other = random_direction(random);
     float3 side = other - cone.axis * dot(other, cone.axis);
@@ -158,15 +158,15 @@ bool holds(const EmissionCone& cone, float3 direction, float angle) {
     return std::acos(std::min(1.0f, cosine)) <= angle + 2e-3f;
 }
 
-/// Emission of Light's profile at an angle from the axis.
+/// The emission of Light's profile at an angle from the axis.
 double profile(const EmissionCone& cone, double angle) {
     if (cone.two_sided) angle = std::min(angle, kPi - angle);
     const double from_normal = std::max(0.0, angle - static_cast<double>(cone.theta_o));
     return from_normal <= static_cast<double>(cone.theta_e) ? std::cos(from_normal) : 0.0;
 }
 
-/// The importance of a node's child by angles, in double precision: between what angles that are
-/// a little too large and a little too small give.
+/// The importance of a node's child by angles, in double precision, as an interval: between the
+/// values for angles that are a little too large and a little too small.
 struct PublishedImportance {
     double low, high;
     bool inside;
@@ -424,11 +424,11 @@ TEST_CASE_TEMPLATE("light bvh: every light is selected as often as its probabili
     constexpr int kDraws = 100000, kPoints = 3;
     constexpr std::uint32_t kLights = 120;
     const std::vector<Light> lights = mixed_lights(kLights, 11, 4.0f);
-    // One false alarm in 10,000 runs with other seeds.
+    // This limit gives one false alarm in 10,000 runs with other seeds.
     const double limit = sidak_z(1e-4, kPoints * (kLights + 1));
     const auto sampler = make_sampler(kOptions<Node>, lights);
     for (const ShadingPoint& point : mixed_points(kPoints, 12, 1)) {
-        std::vector<int> chosen(kLights + 1);  // the last: none
+        std::vector<int> chosen(kLights + 1);  // at the end: none chosen
         std::vector<double> prob(kLights + 1);
         for (std::uint64_t k = 0; k < kDraws; ++k) {
             const Selection s = sampler->select(point, uniform_float(hash(k, 13)));
@@ -442,7 +442,7 @@ TEST_CASE_TEMPLATE("light bvh: every light is selected as often as its probabili
         for (std::size_t i = 0; i <= kLights; ++i) {
             const double expected = kDraws * prob[i];
             if (expected < 20.0) {
-                CHECK(chosen[i] < 80);  // too rare for a normal distribution
+                CHECK(chosen[i] < 80);  // such events are too rare for a normal distribution
             } else {
                 const double spread = std::sqrt(expected * (1.0 - prob[i])) + 1e-6;
                 CHECK(std::abs(chosen[i] - expected) / spread < limit);
@@ -461,7 +461,7 @@ TEST_CASE_TEMPLATE(
     const LightTable table = make_light_table(lights);
     RandomStream random(15);
     std::vector<ShadingPoint> points = mixed_points(300, 16, 1);
-    // Also points that barely see a light over their horizon, or in its own.
+    // Other points barely see a light over their horizon, or in its own.
     for (int k = 0; k < 300; ++k) {
         const auto i = static_cast<std::uint32_t>(2000.0f * random.next());
         const float3 x = random_in_box(random, 1.2f);
@@ -655,7 +655,8 @@ TEST_CASE_TEMPLATE("light bvh: counts are those of one way down", Node, BoundsNo
 
 TEST_CASE_TEMPLATE("light bvh: the estimate of the light at a point has little variance", Node,
                    BoundsNode, MeansNode) {
-    // Of the sum of all lights' unshadowed irradiance by one selection, relative to its square.
+    // The variance is that of the sum of all lights' unshadowed irradiance by one selection,
+    // relative to its square.
     const std::vector<Light> lights = lanterns(500, 24);
     const LightTable table = make_light_table(lights);
     const LightBvh<Node> bvh = build_light_bvh<Node>(table);

@@ -228,7 +228,7 @@ TEST_CASE("where memory lacks, C gets an error and selections are left as they w
             LIGHTCULL_OK);
     REQUIRE(lightcull_sampler_begin_pass(sampler, 0) == LIGHTCULL_OK);
     const lightcull_pass* pass = lightcull_sampler_current_pass(sampler);
-    // Enough to want 80 MB, which is more than the heap keeps of what was freed.
+    // The points are enough to want 80 MB, which is more than the heap keeps of what was freed.
     constexpr std::size_t kPoints = 4 << 20;
     constexpr lightcull_shading_point kPoint = LIGHTCULL_SHADING_POINT_INIT;
     const std::vector<lightcull_shading_point> points(kPoints, kPoint);

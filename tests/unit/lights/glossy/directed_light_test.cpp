@@ -16,7 +16,7 @@ using namespace lightcull::testing;
 
 namespace {
 
-/// 0: a diffuse point.
+/// The values of alpha that are tested. 0: a diffuse point.
 constexpr float kAlphas[] = {0.0f, 1e-3f, 3e-3f, 0.01f, 0.05f, 0.1f, 0.3f, 0.7f, 1.0f};
 
 LightRecord record_of(const Light& light) {
@@ -31,11 +31,12 @@ DirectedLight light_of(float alpha, RandomStream& random) {
     return DirectedLight(record_of(light));
 }
 
-/// Every other direction within a few alphas of the one in which the light emits most.
+/// A random direction; every other one lies within a few alphas of the direction in which the light
+/// emits most.
 float3 direction_from(const DirectedLight& light, float alpha, RandomStream& random, int i) {
     const float3 any = random_direction(random);
     if (i % 2 == 0) return any;
-    // The volume's centre lies there.
+    // The volume's centre lies in that direction.
     const float3 peak = light.volume(1.0f).center - light.center();
     const float spread = (alpha + 1e-3f) * 20.0f * random.next() * random.next();
     const float3 near = peak * (1.0f / std::max(length(peak), 1e-6f)) + any * spread;
@@ -70,10 +71,11 @@ std::vector<LightRecord> records_of(const LightTable& table) {
 
 struct Sets {
     std::vector<std::uint32_t> of_tree, of_all;
-    std::size_t found = 0;  ///< leaves that the tree found
+    std::size_t found = 0;  ///< number of leaves that the tree found
 };
 
-/// The records that are accepted at a point and reach it: by the tree, and by asking all of them.
+/// The records that are accepted at a point and reach it: found by the tree, and by asking all of
+/// them.
 Sets accepted(const InfluenceTree& tree, const std::vector<LightRecord>& records,
               const Frame& frame, const ShadingPoint& point) {
     const Receiver receiver(frame, point);
@@ -97,7 +99,7 @@ Sets accepted(const InfluenceTree& tree, const std::vector<LightRecord>& records
     return sets;
 }
 
-/// What every light gives a point: its importance, times a factor of its own.
+/// The light that every light gives a point: its importance, times a factor of its own.
 std::vector<double> contributions(const std::vector<Light>& lights, const ShadingPoint& point) {
     const LightTable table = make_light_table(lights);
     const Receiver receiver(table.frame, point);
@@ -111,8 +113,8 @@ std::vector<double> contributions(const std::vector<Light>& lights, const Shadin
     return values;
 }
 
-/// Of each kind of light in turn, z of: the mean of contribution / prob is the sum of
-/// contributions. `factor` spoils the probability of the glossy ones.
+/// The worst z, over each kind of light in turn, of the statement that the mean of contribution
+/// / prob is the sum of contributions. `factor` spoils the probability of the glossy ones.
 double worst_z(const std::string& description, const std::vector<Light>& lights,
                const ShadingPoint& at, double factor = 1.0) {
     constexpr std::uint64_t kPasses = 4000;
@@ -133,7 +135,7 @@ double worst_z(const std::string& description, const std::vector<Light>& lights,
         sum[kind] += value;
         sum2[kind] += value * value;
     }
-    // What is chosen less than once may be missing.
+    // A light that is chosen less than once may be missing.
     const double one_event = (exact[0] + exact[1] + exact[2]) / kPasses;
     double worst = 0.0;
     for (std::size_t k = 0; k < kKinds; ++k) {
@@ -145,9 +147,9 @@ double worst_z(const std::string& description, const std::vector<Light>& lights,
     return worst;
 }
 
-/// z of: the contributions that a sampler finds and those of coming upon a light with a probability
-/// of 0.3, weighed against each other by prob(), are in the mean all there are. `factor` spoils the
-/// probabilities of all lights but the one selected.
+/// The z of the statement that the contributions which a sampler finds and those of coming upon a
+/// light with a probability of 0.3, weighed against each other by prob(), are in the mean all there
+/// are. `factor` spoils the probabilities of all lights but the one selected.
 double z_of_weights(const std::string& description, const std::vector<Light>& lights,
                     const ShadingPoint& point, double factor = 1.0) {
     constexpr std::uint64_t kPasses = 4000;
@@ -179,8 +181,8 @@ double z_of_weights(const std::string& description, const std::vector<Light>& li
 const char* const kDescriptions[] = {"culled:accepted=8:sets=1", "culled:accepted=8:sets=16",
                                      "culled:accepted=40:sets=4"};
 
-/// 3 samplers, 4 alphas, 5 points, 3 kinds and their weights: one false alarm in 10,000 runs with
-/// other seeds.
+/// The limit for 3 samplers, 4 alphas, 5 points, 3 kinds and their weights: one false alarm in
+/// 10,000 runs with other seeds.
 const double kLimit = sidak_z(1e-4, 3 * 4 * 5 * 4);
 
 }  // namespace
@@ -219,7 +221,7 @@ TEST_CASE("the distance of a glossy point is that of its spheroid, of a diffuse 
         for (int i = 0; i < 1000; ++i) {
             const float3 w = random_direction(random);
             const double c = static_cast<double>(dot(w, axis));
-            // [TH17] Eq. 12, of the distance to the light.
+            // This is [TH17] Eq. 12, of the distance to the light.
             const double fall_off = 1.0 + 0.5 * (1.0 - c) * (1.0 / a2 - 1.0);
             const Receiver receiver(w * 3.0f, float3{0, 0, 0});
             const Approach way = approach(receiver.position, {0, 0, 0});
@@ -347,7 +349,7 @@ TEST_CASE("many glossy points have few sets, and clusters take a lobe for its me
     CHECK(make_sampler("culled", glossy_lights(100, 71, 0.1f), context)->set_count() == 16);
     CHECK(make_sampler("culled:sets=64", glossy_lights(100, 71, 0.1f), context)->set_count() == 64);
 
-    // As much light in all, seen from the side.
+    // The two give as much light in all, seen from the side.
     const std::vector<Light> two{point_light({-1, 0, 0}, 1.0f),
                                  glossy_point_light({1, 0, 0}, {0, 1, 0}, 400.0f, 0.05f)};
     for (const char* description : {"light_bvh", "light_bvh:importance=means"}) {

@@ -4,16 +4,17 @@
 
 namespace lightcull::testing {
 
-/// The largest cosine under which a receiver sees anything of that sphere; 1 for a zero normal.
+/// The largest cosine under which a receiver sees anything of a sphere that fills `half_view`; 1
+/// for a zero normal.
 inline float receiver_cosine(float3 normal, float3 direction, Angle half_view) noexcept {
     if (normal.x == 0.0f && normal.y == 0.0f && normal.z == 0.0f) return 1.0f;
     const float cosine = std::clamp(dot(normal, direction), -1.0f, 1.0f);
     return std::max(0.0f, subtract_clamped(Angle::from_cosine(cosine), half_view).cosine);
 }
 
-/// g_i(x) of [TH16] Eq. 9: intensity by the squared distance of the centre and by both cosines. The
-/// paper takes the largest cosine of three corners for the receiver; a bounding sphere has none, so
-/// both cosines are the largest that anything in the sphere can have.
+/// A bound on g_i(x) of [TH16] Eq. 9: intensity by the squared distance of the centre and by both
+/// cosines. The paper takes the largest cosine of three corners for the receiver; a bounding sphere
+/// has none, so both cosines are the largest that anything in the sphere can have.
 inline float importance_bound(const LightRecord& light, const Approach& way,
                               float3 normal) noexcept {
     const float radius2 = light.radius * light.radius;

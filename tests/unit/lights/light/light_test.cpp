@@ -44,7 +44,7 @@ TEST_CASE("power becomes peak intensity by the solid angle of the profile") {
     CHECK(intensity(1, 0, false) == doctest::Approx(1 / kPi));
     CHECK(intensity(1, 0, true) == doctest::Approx(0.5f / kPi));
     CHECK(intensity(-1, 0, false) == doctest::Approx(0.25f / kPi));
-    // A cone of 60 degrees without fall-off: 2 pi (1 - cos 60).
+    // The cone of 60 degrees has no fall-off: 2 pi (1 - cos 60).
     CHECK(intensity(0.5f, 1, false) == doctest::Approx(1 / kPi));
     CHECK(length(float3{1, 1, 1}) <= bounded_light(low, high, up, 1, 0, false, 1).radius);
 }

@@ -25,7 +25,7 @@ constexpr std::uint32_t kSets = 4096, kLights = 9;
 /// Pairs of a point and a light at the edge of its range.
 struct Pairs {
     std::uint64_t accepted = 0, refused = 0;
-    std::uint64_t wrong = 0;  ///< prob() and a traversal see different ones accepted
+    std::uint64_t wrong = 0;  ///< pairs that only one of prob() and a traversal sees accepted
 
     Pairs operator+(const Pairs& other) const {
         return {accepted + other.accepted, refused + other.refused, wrong + other.wrong};
@@ -37,7 +37,7 @@ class Edges {
   public:
     Edges() : tree_(lights(), RandomRanges(3e-3f, kSets)) {}
 
-    /// In one pass, at one light: the distances around its range in every set.
+    /// Compares, in one pass at one light, the distances around its range in every set.
     Pairs compare(std::uint64_t pass) {
         tree_.begin_pass(pass);
         RandomStream random(pass);
@@ -83,7 +83,7 @@ class Edges {
         return group;
     }
 
-    /// Sixteen points, one ulp apart.
+    /// Adds sixteen points, one ulp apart.
     void add(std::uint32_t target, std::uint32_t set, float3 direction, float distance,
              const std::vector<LightGroup>& groups, Pairs& pairs) const {
         const RangedLight& light = tree_.record(target);
@@ -107,7 +107,7 @@ class Edges {
             pairs.wrong += accepted == weighed ? 0 : 1;
             ++(accepted ? pairs.accepted : pairs.refused);
         }
-        // And one by itself.
+        // One of the points is also asked by itself.
         const float3 x = points[set % ReceiverPacket::kSize];
         bool found = false;
         tree_.for_accepted(Receiver(x, float3{0, 0, 0}), set,
@@ -120,7 +120,7 @@ class Edges {
     RangeTree tree_;
 };
 
-/// So many in all.
+/// Compares so many pairs in all.
 Pairs compare(std::uint64_t pair_count) {
     const std::uint64_t passes = pair_count / (kSets * ReceiverPacket::kSize) + 1;
     const tbb::blocked_range<std::uint64_t> all(0, passes, passes / 8 + 1);

@@ -34,7 +34,7 @@ std::vector<std::uint32_t> accepted_by_brute_force(const CullingTree& tree, cons
         const bool accepted = tree.ranges().accepts(tree.tree().record(record), way, xi);
         CHECK(tree.tree().accepts(record, point.set, way) == accepted);
         if (accepted) lights.push_back(i);
-        // The same as p >= xi, but for rounding.
+        // The test is the same as p >= xi, but for rounding.
         const double p = 1.0 / static_cast<double>(tree.tree().inverse_prob(record, way));
         const double ratio = p / static_cast<double>(xi);
         if (std::abs(ratio - 1.0) > 1e-4) CHECK(accepted == (ratio > 1.0));
@@ -42,7 +42,8 @@ std::vector<std::uint32_t> accepted_by_brute_force(const CullingTree& tree, cons
     return lights;
 }
 
-/// Compares the two at `point_count` points in each of `passes` passes.
+/// Compares the tree with a test of every light, at `point_count` points in each of `passes`
+/// passes.
 void compare(const std::vector<Light>& lights, float reach, std::uint32_t set_count,
              std::uint32_t point_count, std::uint64_t passes) {
     const LightTable table = make_light_table(lights);

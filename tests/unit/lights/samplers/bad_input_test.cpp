@@ -14,8 +14,8 @@
 #include "unit/render/render_support.h"
 #include "unit/test_lights.h"
 
-/// What the functions of the library that set something up say of arguments that make no sense.
-/// Those of scenes are in render_scene_test.cpp, those of images in image_test.cpp.
+/// These tests show what the functions of the library that set something up say of arguments that
+/// make no sense. Tests of scenes are in render_scene_test.cpp, tests of images in image_test.cpp.
 
 using namespace render_support;
 using namespace lightcull::testing;
@@ -25,7 +25,7 @@ namespace {
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-/// What the Error says that the function throws: a line, or "" if it throws none.
+/// The text of the Error that the function throws: a line, or "" if it throws none.
 std::string error_of(const std::function<void()>& function) {
     try {
         function();
@@ -66,7 +66,7 @@ std::vector<MakeSampler> all_makers() {
     return makers;
 }
 
-/// The error of ranges like that, from each sampler that has them.
+/// The errors of ranges like that, from each sampler that has them.
 std::vector<std::string> errors_of_range(const RangeOptions& range,
                                          const SamplerContext& context = {}) {
     const std::vector<Light> lights = mixed_lights(5, 1);

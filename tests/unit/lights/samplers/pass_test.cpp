@@ -104,8 +104,9 @@ TEST_CASE("passes are drawn and used by many threads at once, and are the same b
 
 namespace {
 
-/// z of the mean over samples of [light chosen] / prob at one point, which is 1 for each light that
-/// can reach it: by one pass, whose sets are taken by set_of_sample() or all the first.
+/// The worst z of the mean over samples of [light chosen] / prob at one point, which is 1 for each
+/// light that can reach it. The samples come from one pass, whose sets are taken by
+/// set_of_sample(), or are all the first.
 double worst_z_of_one_pass(const LightSelector& pass, const std::vector<Light>& lights,
                            const ShadingPoint& where, std::uint32_t samples, bool spread) {
     std::vector<double> sums(lights.size()), squares(lights.size());
@@ -130,7 +131,7 @@ double worst_z_of_one_pass(const LightSelector& pass, const std::vector<Light>& 
 }  // namespace
 
 TEST_CASE("the samples of one pass converge where it has draws enough, and not by one set") {
-    // In the open, so that every light reaches the point.
+    // The point is in the open, so that every light reaches it.
     std::vector<Light> lights;
     for (std::uint32_t i = 0; i < 40; ++i) {
         lights.push_back(point_light(

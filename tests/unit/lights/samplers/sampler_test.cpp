@@ -17,7 +17,8 @@ using namespace lightcull::testing;
 
 namespace {
 
-/// Short ranges, so that most lights are refused in most passes.
+/// The samplers that are unbiased, with ranges so short that most lights are refused in most
+/// passes.
 const char* const kUnbiased[] = {
     "uniform",
     "power",
@@ -39,7 +40,8 @@ bool is_blind(const std::string& description) {
     return description == "uniform" || description == "power";
 }
 
-/// Whether bounds leave any doubt, and whether the light reaches the point as far as one can tell.
+/// The knowledge of whether a light reaches a point: whether bounds leave any doubt, and the answer
+/// as far as one can tell.
 struct Reach {
     bool possible, certain;
 };
@@ -51,8 +53,8 @@ Reach reach_of(const LightTable& table, std::uint32_t light, const ShadingPoint&
             importance(record, way, receiver) > 0.0f};
 }
 
-/// Largest |z| over lights of: mean over keys of [light selected] / prob equals 1 where the light
-/// can reach the point. `factor` spoils the probability of odd lights.
+/// The largest |z| over lights of: mean over keys of [light selected] / prob equals 1 where the
+/// light can reach the point. `factor` spoils the probability of odd lights.
 double worst_z(const std::string& description, const std::vector<Light>& lights,
                const ShadingPoint& point, float factor = 1.0f) {
     constexpr int kPasses = 10000, kDrawsPerPass = 8;
@@ -101,17 +103,18 @@ std::vector<Light> few_lights() {
     return lights;
 }
 
-/// 14 samplers, 3 points, 30 lights: one false alarm in 10,000 runs with other seeds.
+/// The limit for 14 samplers, 3 points, 30 lights: one false alarm in 10,000 runs with other seeds.
 const double kLimit = sidak_z(1e-4, 14 * 3 * 30);
 
-/// Largest |z| over lights of: the weights of choosing a light, and of coming upon it with a
+/// The largest |z| over lights of: the weights of choosing a light, and of coming upon it with a
 /// probability of 0.3, sum to 1 in the mean over passes. `factor` spoils the probability that
 /// prob() gives to odd lights.
 double worst_z_of_weights(const std::string& description, const std::vector<Light>& lights,
                           const ShadingPoint& point, double factor = 1.0) {
     constexpr int kPasses = 20000;
     constexpr double kOther = 0.3;
-    constexpr double kOneEvent = 1.0 / (kOther * kPasses);  // which may be missing where it is rare
+    constexpr double kOneEvent = 1.0 / (kOther * kPasses);  // one event, which may be missing where
+                                                            // it is rare
     const auto sampler = make_sampler(description, lights);
     const LightTable table = make_light_table(lights);
     std::vector<double> sum(lights.size()), sum2(lights.size());
@@ -291,7 +294,8 @@ TEST_CASE("auto accepts as many lights as it was told, at any scale and brightne
 }
 
 TEST_CASE("a given error bound is that of Eq. 7, in the caller's units") {
-    // alpha = 2 pi eps / (E I): with E I / (2 pi eps) = 4 m^2 a light is certain up to 2 m.
+    // The range follows from alpha = 2 pi eps / (E I): with E I / (2 pi eps) = 4 m^2 a light is
+    // certain up to 2 m.
     const float error_bound = 10.0f * 3.0f / (2.0f * 3.14159265f * 4.0f);
     const std::vector<Light> lights{point_light({50, 0, 0}, 10.0f), point_light({0, 90, 0}, 0.1f)};
     CulledOptions options;

@@ -14,9 +14,9 @@
 #include "unit/render/render_support.h"
 #include "unit/test_lights.h"
 
-/// Samplers and renderers that several threads use at once, in all the ways that the interface
-/// allows, from threads and arenas of the host's. What comes out has the bits of one thread alone;
-/// the thread sanitizer looks on.
+/// These tests use samplers and renderers from several threads at once, in all the ways that the
+/// interface allows, from threads and arenas of the host's. The results have the bits of one thread
+/// alone; the thread sanitizer looks on.
 
 using namespace render_support;
 using namespace lightcull::testing;
@@ -45,7 +45,7 @@ std::vector<float> numbers(std::size_t count) {
     return u;
 }
 
-/// All that the const calls of a sampler say of some points: of batches and single points.
+/// The answers of all const calls of a sampler at some points: of batches and single points.
 struct Answers {
     std::vector<Selection> batch, single;
     std::vector<float> prob;

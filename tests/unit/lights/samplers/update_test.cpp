@@ -37,7 +37,7 @@ std::vector<Light> moved(std::vector<Light> lights, float by) {
 }
 
 /// The worst z over lights of the mean of [light chosen] / prob at a point, which is 1 for all
-/// lights that it says can be chosen. false alarms: as the limit says.
+/// lights that it says can be chosen. The limit says how many false alarms there are.
 double worst_z(LightSampler& sampler, const std::vector<Light>& lights, const ShadingPoint& point,
                const LightSampler& truth) {
     constexpr int kPasses = 60000;
@@ -81,7 +81,7 @@ TEST_CASE("after an update lights are chosen where they are now, without bias") 
         sampler->update(after, 1e9f);
         const double limit = sidak_z(1e-6, 60);
         CHECK(worst_z(*sampler, after, point, *truth) < limit);
-        // Passes taken before are of the lights of then.
+        // Passes taken before still choose among the lights of then.
         const Selection again = old_pass->select(point, 0.4f);
         CHECK(std::memcmp(&old, &again, sizeof old) == 0);
         CHECK(after[sampler->select(point, 0.7f).light].intensity > 0.0f);

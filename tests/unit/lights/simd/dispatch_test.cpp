@@ -13,11 +13,11 @@
 using namespace lightcull;
 using namespace lightcull::testing;
 
-// Whoever else uses Highway in the process shares hwy::GetChosenTarget().
+// Every user of Highway in the process shares hwy::GetChosenTarget().
 
 namespace {
 
-/// Selects by every instruction set.
+/// Selects by every instruction set in turn.
 void select_by_all() {
     for (const std::string& name : instruction_sets()) {
         use_instruction_set(name);

@@ -19,14 +19,14 @@ using namespace lightcull::testing;
 
 namespace {
 
-/// Whatever a test does, the next one gets the best again.
+/// Makes the best instruction set the one in use again for the next test, whatever a test does.
 struct BestAgain {
     ~BestAgain() { use_instruction_set(instruction_sets().front()); }
 };
 
 struct Results {
     std::vector<Selection> single, batch;
-    std::vector<float> probs;  ///< of the light that the next point was given
+    std::vector<float> probs;  ///< probabilities of the light that the next point was given
 };
 
 std::unique_ptr<LightSampler> sampler_in_pass(const char* description,

@@ -14,7 +14,8 @@ using namespace lightcull;
 
 namespace {
 
-/// Points of a plane, of a box's half perimeter times the number of those in it.
+/// A heuristic for points of a plane: the cost is a box's half perimeter times the number of points
+/// in it.
 template <std::uint32_t kDepth>
 struct PointHeuristic {
     struct Item {
@@ -78,7 +79,7 @@ std::vector<std::array<float, 2>> random_places(std::uint32_t count, std::uint64
     return places;
 }
 
-/// Distances that shrink by half: a split takes few off the far end, again and again.
+/// Places at distances that shrink by half: a split takes few off the far end, again and again.
 std::vector<std::array<float, 2>> shrinking_places() {
     std::vector<std::array<float, 2>> places;
     for (int i = 0; i < 120; ++i) places.push_back({std::ldexp(1.0f, -i), 0.0f});
@@ -165,7 +166,7 @@ TEST_CASE("binned tree: a set is split where both parts cost least, by brute for
 TEST_CASE("binned tree: items that nothing tells apart are halved") {
     const std::vector<std::array<float, 2>> places(1000, {1.0f, 2.0f});
     CHECK(check_whole(build<Heuristic>(places), 1000) == 11);
-    // Their width has no inverse, or is itself too large for a float.
+    // The width of such places has no inverse, or is itself too large for a float.
     const std::vector<std::array<float, 2>> close{{0.0f, 0.0f}, {1e-45f, 0.0f}};
     const std::vector<std::array<float, 2>> far{{-3e38f, 0.0f}, {3e38f, 0.0f}};
     check_whole(build<Heuristic>(close), 2);
@@ -176,7 +177,8 @@ TEST_CASE("binned tree: none is too deep") {
     const auto places = shrinking_places();
     const auto depth = [&](const auto& nodes) { return check_whole(nodes, places.size()); };
     CHECK(depth(build<PointHeuristic<200>>(places)) > 26);  // left alone
-    // Levels that are split by cost, then as many as 120 items that are halved take at most.
+    // The depth is that of the levels split by cost, and then of as many as 120 items that are
+    // halved take at most.
     CHECK(depth(build<PointHeuristic<32>>(places)) == 8);
     CHECK(depth(build<PointHeuristic<40>>(places)) <= 8 + 8);
 }

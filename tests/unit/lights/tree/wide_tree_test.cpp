@@ -14,7 +14,7 @@ using namespace lightcull;
 namespace {
 
 struct CostNode : BinaryNode {
-    float cost = 0.0f;  ///< of a wide node that stands for it
+    float cost = 0.0f;  ///< cost of a wide node that stands for it
 };
 
 float cost_of(const CostNode& node) noexcept {
@@ -61,7 +61,7 @@ float least_cost_of_children(const std::vector<CostNode>& binary, std::vector<st
     return std::min(kept, least_cost_of_children(binary, open, next, width));
 }
 
-/// By brute force.
+/// The least cost, by brute force.
 float least_cost(const std::vector<CostNode>& binary, std::uint32_t node, std::size_t width) {
     if (binary[node].is_leaf()) return 0.0f;
     return binary[node].cost +
@@ -70,7 +70,7 @@ float least_cost(const std::vector<CostNode>& binary, std::uint32_t node, std::s
 
 struct Walk {
     float cost = 0.0f;
-    std::vector<std::uint32_t> leaves;  ///< from left to right
+    std::vector<std::uint32_t> leaves;  ///< leaves from left to right
 };
 
 template <std::size_t kWidth>
