@@ -19,8 +19,9 @@ namespace lightcull {
 struct GlossyLobe {
     float3 axis{0, 0, 1};  ///< mirror direction of the view, unit length
     float alpha = 1.0f;    ///< (0, 1]
-    float peak = 0.0f;     ///< in units of ShadingPoint::diffuse, >= 0; 0: there is no glossy part.
-                           ///< A host that also samples its BSDF (MIS) does best with a tenth of it
+    float peak = 0.0f;     ///< value at the axis, in units of ShadingPoint::diffuse, >= 0; 0: there
+                           ///< is no glossy part. A host that also samples its BSDF (MIS) does best
+                           ///< with a tenth of it
 };
 
 /// A point to be lit.

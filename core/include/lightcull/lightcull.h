@@ -161,7 +161,8 @@ LIGHTCULL_C_API lightcull_error lightcull_bounded_light(const float box_min[3],
 typedef struct LIGHTCULL_C_STRUCT lightcull_lobe {
     float axis[3];  ///< mirror direction of the view, unit length
     float alpha;    ///< (0, 1]
-    float peak;     ///< in units of `diffuse` of the point, >= 0; 0: there is no glossy part
+    float peak;     ///< value at the axis, in units of `diffuse` of the point, >= 0; 0: there is no
+                    ///< glossy part
 } lightcull_lobe;
 
 /// A point to be lit. Where diffuse and lobe.peak are both 0, no light is ever selected.
@@ -216,8 +217,8 @@ typedef struct lightcull_pass lightcull_pass;
 /// The use that a sampler is put to.
 typedef struct lightcull_context {
     uint32_t size;             ///< sizeof(lightcull_context)
-    uint32_t points_per_pass;  ///< for a host that begins a pass for each sample of the image:
-                               ///< number of its pixels; 0: not known
+    uint32_t points_per_pass;  ///< number of pixels, for a host that begins a pass for each sample
+                               ///< of the image; 0: not known
     /// Some hundred points typical of the scene, on which ranges are calibrated; none: points drawn
     /// from the bounds of the lights. They are read while the sampler is made.
     const lightcull_shading_point* calibration_points;

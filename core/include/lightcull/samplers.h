@@ -41,7 +41,7 @@ struct LightBvhOptions {
     ClusterImportance importance = ClusterImportance::kBounds;
 };
 
-/// How long the ranges of `culled`, `paper` and `clamped` are.
+/// The lengths of the ranges of `culled`, `paper` and `clamped`.
 struct RangeOptions {
     /// epsilon_max of [TH16] Eq. 7, > 0; none: found so that `expected_accepted` lights are
     /// accepted per point in the mean over SamplerContext::calibration_points.

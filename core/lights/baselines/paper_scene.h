@@ -9,7 +9,7 @@
 
 namespace lightcull {
 
-/// What `paper` chooses from, and how (PaperOptions).
+/// The tree that `paper` chooses from, and the way in which it chooses (PaperOptions).
 struct PaperScene {
     const CullingTree& tree;
     bool range_at_vertex, weight_by_g;

@@ -15,7 +15,7 @@
 
 namespace lightcull {
 
-/// What ranges are found for: lights, or groups of lights that share one.
+/// The lights, or groups of lights that share a range, for which ranges are found.
 struct RangedScene {
     const Frame& frame;
     std::vector<RangedLight> lights;  ///< lights or groups of intensity above 0

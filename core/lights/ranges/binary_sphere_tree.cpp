@@ -13,7 +13,8 @@
 namespace lightcull {
 namespace {
 
-/// What a set of lights costs to be read grows with the chance that one of them is accepted.
+/// A cost of splits: the cost of reading a set of lights grows with the chance that one of them is
+/// accepted.
 class RangeHeuristic {
   public:
     using Node = BinarySphereNode;

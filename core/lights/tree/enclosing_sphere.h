@@ -8,8 +8,8 @@
 
 namespace lightcull {
 
-/// Two spheres of one centre: about the volumes in which lights are accepted, and about the lights
-/// alone.
+/// A pair of spheres of one centre: about the volumes in which lights are accepted, and about the
+/// lights alone.
 struct EnclosingSphere {
     float3 center{0, 0, 0};
     float radius = 0.0f;
