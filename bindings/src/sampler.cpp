@@ -67,7 +67,8 @@ class SharedSampler : public SharedSelector {
         return std::make_unique<SharedSelector>(sampler_->pass(number), light_count());
     }
 
-    /// Whether the tree was built anew, and its growth. Pass 0 begins.
+    /// Takes lights that have changed. Returns true if the tree was built anew, and its growth.
+    /// Pass 0 begins.
     std::pair<bool, float> update(const py::object& lights, float max_growth) {
         const py::buffer_info info = read_array(lights, "lights", {light_dtype(), {-1}});
         const Span<const Light> span(static_cast<const Light*>(info.ptr),

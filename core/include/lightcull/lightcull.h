@@ -287,19 +287,19 @@ LIGHTCULL_C_API void lightcull_pass_destroy(lightcull_pass* pass);
 typedef struct lightcull_update {
     uint32_t size;    ///< sizeof(lightcull_update)
     int32_t rebuilt;  ///< other than 0: the tree was built anew
-    float growth;     ///< how loose the tree had become before that, relative to when it was last
-                      ///< built: 1 is as tight
+    float growth;     ///< looseness of the tree before that, relative to when it was last built: 1
+                      ///< is as tight
 } lightcull_update;
 
 #define LIGHTCULL_UPDATE_INIT \
     { sizeof(lightcull_update), 0, 1 }
 
-/// Lights that have moved, changed or been switched: `count` has to be what the sampler was made
-/// over. The tree is fitted to them where it can be, and built anew if it has grown looser than
-/// max_growth; LightSampler::update() (light_sampler.h) says more. A pass has to begin after it;
-/// those of lightcull_pass_create() stay what they are. update: NULL, or where to write what was
-/// done. Only while nothing selects from the current pass. Fails, and changes nothing, with a text
-/// that names the light and the field.
+/// Takes lights that have moved, changed or been switched: `count` has to be the number that the
+/// sampler was made over. The tree is fitted to them where it can be, and built anew if it has
+/// grown looser than max_growth; LightSampler::update() (light_sampler.h) says more. A pass has to
+/// begin after it; those of lightcull_pass_create() stay what they are. update: NULL, or where to
+/// write what was done. Only while nothing selects from the current pass. Fails, and changes
+/// nothing, with a text that names the light and the field.
 LIGHTCULL_C_API lightcull_error lightcull_sampler_update(lightcull_sampler* sampler,
                                                          const lightcull_light* lights,
                                                          size_t count, float max_growth,

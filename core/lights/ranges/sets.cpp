@@ -37,8 +37,8 @@ std::uint32_t set_of_packet(std::uint32_t packet, std::uint32_t set_count) noexc
 std::uint32_t set_of_sample(std::uint32_t x, std::uint32_t y, std::uint32_t sample,
                             std::uint32_t bounce, std::uint32_t set_count) noexcept {
     const SetPattern pattern(set_count);
-    // What the camera sees is dithered within squares of 4x4 pixels, whose places hold evenly
-    // spread rotations. Later on neighbours are none.
+    // The points that the camera sees are dithered within squares of 4x4 pixels, whose places hold
+    // evenly spread rotations. Later on there are no neighbours.
     const std::uint32_t edge = bounce == 0 ? std::min(pattern.log2_edge(), 2u) : 0;
     const std::uint64_t place =
         hash((std::uint64_t{y >> edge} << 32) | (x >> edge), std::uint64_t{bounce});

@@ -90,8 +90,8 @@ struct VirtualLightOptions {
     GridBuild grid_build = GridBuild::kGather;
 };
 
-/// Throws Error, with a message that names the option, if one makes no sense. Whatever takes
-/// options does this first.
+/// Throws Error, with a message that names the option, if an option makes no sense. Every function
+/// that takes options does this first.
 LIGHTCULL_EXPORT void check_virtual_light_options(const VirtualLightOptions& options);
 
 /// Options by their description: a name, then options, as in "vpl_culled",

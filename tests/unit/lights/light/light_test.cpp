@@ -136,7 +136,7 @@ TEST_CASE("spheres, discs and tubes have the intensity of what one sees of them"
     CHECK(disc.two_sided);
     CHECK(disc.intensity == sphere.intensity);
     CHECK(disc.radius == 0.5f);
-    // A rectangle of 2 r by its length, from across.
+    // The light is a rectangle of 2 r by its length, seen from across.
     const Light tube = cylinder_light({0, 0, 0}, {0, 0, 6}, 0.25f, 4.0f);
     CHECK(tube.intensity == doctest::Approx(4.0 * 0.5 * 6.0));
     CHECK(tube.center.z == 3.0f);

@@ -98,7 +98,7 @@ TEST_CASE("neighbours take other sets at the same sample, and other squares othe
     for (const std::uint32_t sets : {16u, 64u, 256u, 4096u}) {
         const SetPattern pattern(sets);
         for (std::uint32_t sample = 0; sample < 64; ++sample) {
-            // Within a square of 4x4 pixels, sixteen evenly spread rotations of one draw.
+            // A square of 4x4 pixels has sixteen evenly spread rotations of one draw.
             std::set<std::uint32_t> strata, draws;
             const std::uint32_t width = pattern.rotations() / 16;
             for (std::uint32_t y = 8; y < 12; ++y) {
