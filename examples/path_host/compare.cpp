@@ -72,8 +72,8 @@ struct Method {
 constexpr std::array<Method, 6> kMethods{
     {{"whole passes, 64 sets", whole_passes, "culled:sets=64", false},
      {"tiles, 4096 sets", tiles, "culled:sets=4096", false},
-     {"tiles, own pass each 16 samples, 16 sets", rounds, "culled:sets=16", false},
      {"tiles, a pass each 64 samples, 64 sets", tiles, "culled:sets=64", false},
+     {"tiles, own pass each 16 samples, 64 sets", rounds, "culled:sets=64", false},
      {"tiles, but one pass of 64 sets", tiles, "culled:sets=64", true},
      {"whole passes, but begun once", whole_passes, "culled:sets=64", true}}};
 

@@ -39,6 +39,17 @@ float3 trace(const Scene& scene, const LightSelector& pass, const Job& job, std:
     return path.radiance;
 }
 
+/// Samples first to end of some pixels.
+void add_samples(const Scene& scene, const LightSelector& pass, const Job& job,
+                 const std::vector<std::uint32_t>& pixels, std::uint32_t first, std::uint32_t end,
+                 Film& film) {
+    for (const std::uint32_t pixel : pixels) {
+        for (std::uint32_t sample = first; sample < end; ++sample) {
+            film[pixel] = film[pixel] + trace(scene, pass, job, pixel, sample);
+        }
+    }
+}
+
 /// Calls render(tile, pixels) for all tiles of an image, on all threads.
 template <typename Render>
 void for_each_tile(const Job& job, Render render) {
@@ -69,11 +80,12 @@ void render_tiles(const Scene& scene, const LightSampler& sampler, const Job& jo
         passes[i] = sampler.pass(mix(job.seed) + i);
     }
     for_each_tile(job, [&](std::uint32_t, const std::vector<std::uint32_t>& pixels) {
-        for (const std::uint32_t pixel : pixels) {
-            for (std::uint32_t sample = job.first_sample; sample < job.end_sample; ++sample) {
-                const LightSelector& pass = *passes[sample / samples_per_pass];
-                film[pixel] = film[pixel] + trace(scene, pass, job, pixel, sample);
-            }
+        // Pass by pass, so that a core's cache holds the ranges of one at a time.
+        for (std::uint32_t first = job.first_sample; first < job.end_sample;) {
+            const std::uint32_t i = first / samples_per_pass;
+            const std::uint32_t end = std::min((i + 1) * samples_per_pass, job.end_sample);
+            add_samples(scene, *passes[i], job, pixels, first, end, film);
+            first = end;
         }
     });
 }
@@ -88,11 +100,7 @@ void render_tiles_in_rounds(const Scene& scene, const LightSampler& sampler, con
             const std::uint64_t number = mix(mix(job.seed) + tile) + first / kSamplesPerRound;
             const std::unique_ptr<const LightSelector> pass = sampler.pass(number);
             const std::uint32_t end = std::min(first + kSamplesPerRound, job.end_sample);
-            for (const std::uint32_t pixel : pixels) {
-                for (std::uint32_t sample = first; sample < end; ++sample) {
-                    film[pixel] = film[pixel] + trace(scene, *pass, job, pixel, sample);
-                }
-            }
+            add_samples(scene, *pass, job, pixels, first, end, film);
         }
     });
 }

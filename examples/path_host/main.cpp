@@ -94,9 +94,10 @@ void render(const Scene& scene, const Job& job) {
         finish("tiles", "tiles.pfm", film, job);
     }
     {
-        // There is a set for each sample of a round, so that passes are cheap to make.
+        // Few sets, so that passes are cheap to make. No fewer, or all of a tile would share the
+        // luck of a round.
         lightcull::CulledOptions options;
-        options.set_count = 16;
+        options.set_count = 64;
         const auto sampler = make_light_sampler(scene, options, 0);
         Film film(pixels);
         render_tiles_in_rounds(scene, *sampler, job, film);

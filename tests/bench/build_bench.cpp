@@ -3,7 +3,9 @@
 #include "subject.h"
 
 #include <lightcull/sampler_info.h>
+
 #include <string>
+#include <vector>
 
 namespace lightcull::bench {
 namespace {
@@ -34,6 +36,22 @@ void refit(benchmark::State& state, std::uint32_t lights, int threads) {
     state.counters["sets"] = sampler.set_count();
 }
 
+/// Lights that drift a little from frame to frame.
+void update(benchmark::State& state, const std::string& description, std::uint32_t light_count,
+            int threads) {
+    const auto scene = courtyard(light_count);
+    const auto sampler = make_scene_sampler(description, *scene, settings());
+    std::vector<Light> lights(scene->lights().begin(), scene->lights().end());
+    float growth = 0.0f;
+    on_threads(threads, [&] {
+        for ([[maybe_unused]] auto turn : state) {
+            for (Light& light : lights) light.center.y += 1e-4f;
+            growth = sampler->update(lights).growth;
+        }
+    });
+    state.counters["growth"] = static_cast<double>(growth);
+}
+
 }  // namespace
 
 void register_building(std::uint32_t light_count) {
@@ -43,6 +61,9 @@ void register_building(std::uint32_t light_count) {
             std::string name = "build/";
             add(name.append(sampler).append(setting),
                 [=](benchmark::State& state) { build(state, sampler, light_count, threads); });
+            name = "update/";
+            add(name.append(sampler).append(setting),
+                [=](benchmark::State& state) { update(state, sampler, light_count, threads); });
         }
         add("refit/culled" + setting,
             [=](benchmark::State& state) { refit(state, light_count, threads); });

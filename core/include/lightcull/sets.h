@@ -17,8 +17,9 @@ namespace lightcull {
 ///   points use set_of_pixel() and later bounces set_of_packet().
 /// - A host that finishes tiles has as many sets as it gets by default, shares one pass() among all
 ///   tiles for every set_count samples, and uses set_of_sample().
-/// - Where sets are few, or passes must take little memory, each tile takes a pass() of its own for
-///   every set_count samples, 16 sets or more, and uses set_of_sample().
+/// - Where passes must take little memory, each tile may take a pass() of its own for every 16
+///   samples, of 64 sets (with 16, a tile as a whole is too bright or dark by luck), and use
+///   set_of_sample().
 
 /// The set for camera points of pixel (x, y): its place in a square pattern of `set_count` pixels,
 /// which neighbours never share. set_count is a power of 4. For hosts that begin a pass for each

@@ -111,7 +111,8 @@ class ScalarPath {
     void select_light(const BSDF* bsdf, std::uint32_t bsdf_flags) {
         const auto& lights = context_.lights->lights();
         if (lights.size() < 2) {
-            selection_ = {0, lights.empty() ? 0.0f : 1.0f, {}};
+            const float certain = lights.empty() ? 0.0f : 1.0f;
+            selection_ = {0, certain, certain, {}};
             return;
         }
         const bool glossy = has_flag(bsdf_flags, BSDFFlags::GlossyReflection);
