@@ -262,8 +262,9 @@ LIGHTCULL_C_API lightcull_error lightcull_checked_sampler_create(
 LIGHTCULL_C_API void lightcull_sampler_destroy(lightcull_sampler* sampler);
 
 /// Draws the ranges of a pass, which is lightcull_sampler_current_pass() then; equal numbers give
-/// equal ranges. The call takes some 0.05 ns per light and set with groups, 5 with a range for each
-/// light. Where it fails, it has to be called again before anything is selected from that pass.
+/// equal ranges. The call takes some 10 ns per set and range, of which culled has one for each
+/// group of lights. Where it fails, it has to be called again before anything is selected from that
+/// pass.
 LIGHTCULL_C_API lightcull_error lightcull_sampler_begin_pass(lightcull_sampler* sampler,
                                                              uint64_t number);
 
