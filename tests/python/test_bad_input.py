@@ -24,7 +24,7 @@ ONE = np.ones(1, np.float32)
 TINY = ("--size", "8x8", "--spp", "1")
 
 
-def sampler(description: str = "culled") -> lightcull.LightSampler:
+def sampler(description: str = "culled:sets=64") -> lightcull.LightSampler:
     return lightcull.LightSampler(lightcull.point_lights(0 * POINT, ONE), description)
 
 
