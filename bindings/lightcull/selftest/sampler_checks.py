@@ -104,7 +104,7 @@ def totals(setting: Setting, trees: tuple[str, ...] = TREES) -> Iterator[Finding
         yield Finding(f"{description}: light that is never chosen", missed, 8 * EPSILON)
 
 
-def means(setting: Setting, samplers: tuple[str, ...] = ("culled", *TREES)) -> Iterator[Finding]:
+def means(setting: Setting, samplers: tuple[str, ...] = ("culled:sets=64", *TREES)) -> Iterator[Finding]:
     """That choices are right in the mean, at some of the points: divided by their probability they
     give the exhaustive answer, and a light of some weight does not stay away for thousands of them.
     """

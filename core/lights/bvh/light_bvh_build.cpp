@@ -1,10 +1,9 @@
-#include <tbb/parallel_for.h>
-
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
+#include "base/parallel_blocks.h"
 #include "lights/bvh/binary_light_tree.h"
 #include "lights/bvh/light_bvh.h"
 #include "lights/bvh/light_bvh_slot.h"
@@ -48,6 +47,24 @@ void lay_out(const std::vector<BinaryLightNode>& binary, LightBvh<Node>& bvh,
     bvh.nodes.resize(roots.size());
 }
 
+/// Fills the slots of wide node n, all but the links to other nodes.
+template <typename Node>
+void fill_node(const std::vector<BinaryLightNode>& binary,
+               const std::vector<std::uint32_t>& sources, std::size_t n, Node& node) {
+    node = {};
+    for (std::size_t place = 0; place < kWidth; ++place) {
+        const std::uint32_t source = sources[kWidth * n + place];
+        if (source == LightBvhNode::kEmpty) {
+            clear_slot(node, place);
+        } else if (binary[source].is_leaf()) {
+            fill_slot(node, place, binary[source].cluster, SlotKind::kLight);
+            node.child[place] = LightBvhNode::kLight | binary[source].light;
+        } else {
+            fill_slot(node, place, binary[source].cluster, SlotKind::kNode);
+        }
+    }
+}
+
 }  // namespace
 
 template <typename Node>
@@ -59,20 +76,9 @@ LightBvh<Node> build_light_bvh(const LightTable& table) {
 
     std::vector<std::uint32_t> sources;
     lay_out(binary, bvh, sources);
-    tbb::parallel_for(std::size_t{0}, bvh.nodes.size(), [&](std::size_t n) {
-        Node& node = bvh.nodes[n];
-        node = {};
-        for (std::size_t place = 0; place < kWidth; ++place) {
-            const std::uint32_t source = sources[kWidth * n + place];
-            if (source == LightBvhNode::kEmpty) {
-                clear_slot(node, place);
-            } else if (binary[source].is_leaf()) {
-                fill_slot(node, place, binary[source].cluster, SlotKind::kLight);
-                node.child[place] = LightBvhNode::kLight | binary[source].light;
-            } else {
-                fill_slot(node, place, binary[source].cluster, SlotKind::kNode);
-            }
-        }
+    constexpr std::size_t kBlock = 64;
+    for_each_block(bvh.nodes.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t n = begin; n < end; ++n) fill_node(binary, sources, n, bvh.nodes[n]);
     });
     for (std::size_t n = 1; n < bvh.nodes.size(); ++n) {
         const LightBvhSlot parent = bvh.parents[n];

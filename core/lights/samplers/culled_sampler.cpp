@@ -80,8 +80,9 @@ class CulledSampler final : public CulledSamplerBase, public SamplerInfo {
             result.growth = growth(looseness(groups.bvh), built_looseness_);
             result.rebuilt = result.growth > max_growth;
             if (!result.rebuilt) {
-                tree_ = RangeTree(tree_, groups.ranged(), ranges);
+                RangeTree tree(tree_, groups.ranged(), ranges);
                 groups_ = std::make_shared<const LightGroups>(std::move(groups));
+                tree_ = std::move(tree);
                 frame_ = table.frame;
             }
         }

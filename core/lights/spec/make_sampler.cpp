@@ -1,7 +1,5 @@
 #include <lightcull/samplers.h>
 
-#include <tbb/task_arena.h>
-
 #include "lights/baselines/make_baselines.h"
 #include "lights/samplers/make_samplers.h"
 
@@ -36,9 +34,7 @@ struct Maker {
 std::unique_ptr<LightSampler> make_sampler(const SamplerSpec& spec, Span<const Light> lights,
                                            const SamplerContext& context) {
     check_sampler(spec);
-    std::unique_ptr<LightSampler> sampler;
-    tbb::this_task_arena::isolate([&] { sampler = std::visit(Maker{lights, context}, spec); });
-    return sampler;
+    return std::visit(Maker{lights, context}, spec);
 }
 
 std::unique_ptr<LightSampler> make_sampler(std::string_view description, Span<const Light> lights,

@@ -2,6 +2,7 @@
 
 #include <lightcull/span.h>
 #include <tbb/parallel_invoke.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <array>
@@ -52,7 +53,8 @@ class BinnedTree {
         if (items.empty()) return {};
         const auto count = static_cast<std::uint32_t>(items.size());
         std::vector<Node> nodes(2 * std::size_t{count} - 1);
-        BinnedTree(heuristic, items, nodes).build_below(0, 0, count, 0);
+        tbb::this_task_arena::isolate(
+            [&] { BinnedTree(heuristic, items, nodes).build_below(0, 0, count, 0); });
         return nodes;
     }
 
