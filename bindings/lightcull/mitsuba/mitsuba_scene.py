@@ -53,7 +53,7 @@ class MitsubaScene:
         return f"{self._digest}-{self._variant}-{build_digest()}"
 
     def check_sampler(self, description: str) -> None:
-        self._integrator(description, 1)
+        self._integrator(description)
 
     def new_job(self, sampler: str, settings: RenderSettings, spp: int | None = None) -> MitsubaJob:
         self._set_size(settings.size)
@@ -62,7 +62,8 @@ class MitsubaScene:
             importlib.import_module("drjit").set_thread_count(settings.threads)
         if settings.direct_light != "mis":
             raise Error("direct_light: not for Mitsuba, whose paths sample lights and the BSDF")
-        integrator = self._integrator(sampler, settings)
+        depths = {"max_depth": settings.max_depth, "rr_depth": settings.rr_depth}
+        integrator = self._integrator(sampler, **depths)
         return MitsubaJob(sampler, self.scene, integrator, settings.seed, spp)
 
     def reference_samplers(self, under_test: Sequence[str]) -> tuple[str, str]:
@@ -89,12 +90,11 @@ class MitsubaScene:
         if self.size != size:
             raise Error(f"{self.name}: its film cannot be made {size[0]}x{size[1]}")
 
-    def _integrator(self, description: str, settings: RenderSettings) -> Any:
+    def _integrator(self, description: str, **depths: int) -> Any:
         properties: dict[str, Any] = {"type": PATH}
         if description != PATH:
             properties = {"type": "lightcull_path", "light_sampler": description}
         try:
-            depths = {"max_depth": settings.max_depth, "rr_depth": settings.rr_depth}
             return mitsuba().load_dict(properties | depths)
         except RuntimeError as error:
             reason = str(error).splitlines()[0].rsplit("] ", 1)[-1]

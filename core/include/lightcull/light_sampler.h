@@ -143,8 +143,8 @@ class LIGHTCULL_EXPORT LightSampler : public LightSelector {
     /// always build anew. Ranges stay as long, in metres and for the same intensity, as they were
     /// calibrated. Runs in the caller's TBB arena. Throws Error, and changes nothing, for another
     /// number of lights, for lights that make_sampler() would refuse, and where the update cannot
-    /// be done.
-    virtual LightUpdate update(Span<const Light> lights, float max_growth = 2.0f) = 0;
+    /// be done; a sampler of a host's own does that unless it overrides this.
+    virtual LightUpdate update(Span<const Light> lights, float max_growth = 2.0f);
 };
 
 }  // namespace lightcull

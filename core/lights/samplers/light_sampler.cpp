@@ -1,3 +1,4 @@
+#include <lightcull/error.h>
 #include <lightcull/light_sampler.h>
 #include <lightcull/sampler_info.h>
 #include <lightcull/samplers.h>
@@ -12,6 +13,10 @@ void LightSelector::select(Span<const ShadingPoint> points, Span<const float> u,
     for_each_block(points.size(), kBlock, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) selections[i] = select(points[i], u[i]);
     });
+}
+
+LightUpdate LightSampler::update(Span<const Light>, float) {
+    throw Error("update: this sampler takes no changed lights");
 }
 
 const SamplerInfo* sampler_info(const LightSelector& sampler) noexcept {
