@@ -246,8 +246,8 @@ class CulledSampler final : public CulledSamplerBase, public SamplerInfo {
         return {light, prob, prob, receipt};
     }
 
-    /// Puts as many of the points that `order` names as fit into one packet, selects for them, and
-    /// returns their number.
+    /// Puts as many of the points that `order` names, one at least, as fit into one packet, selects
+    /// for them, and returns their number.
     std::size_t select_some(Span<const std::uint32_t> order, Span<const ShadingPoint> points,
                             Span<const float> u, Span<Selection> selections) const noexcept {
         const std::uint32_t set = points[order[0]].set;
@@ -255,15 +255,15 @@ class CulledSampler final : public CulledSamplerBase, public SamplerInfo {
         PacketRandom random;
         std::array<LightBvhDescent, ReceiverPacket::kSize> descents;
         std::size_t count = 0;
-        while (count < std::min(order.size(), ReceiverPacket::kSize) &&
-               points[order[count]].set == set) {
+        do {
             const std::uint32_t i = order[count];
             descents[count].receiver = to_local(points[i]);
             receivers.put(count, descents[count].receiver);
             random.u_bits[count++] = float_bits(u[i]);
-        }
-        for (std::size_t i = count; i < ReceiverPacket::kSize; ++i) {  // repeats the last point to
-                                                                       // fill the packet
+        } while (count < std::min(order.size(), ReceiverPacket::kSize) &&
+                 points[order[count]].set == set);
+        // The first point is repeated to fill the packet.
+        for (std::size_t i = count; i < ReceiverPacket::kSize; ++i) {
             receivers.put(i, descents[0].receiver);
             random.u_bits[i] = random.u_bits[0];
         }
