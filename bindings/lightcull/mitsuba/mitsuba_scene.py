@@ -124,14 +124,5 @@ def depth_of_file(path: str | os.PathLike[str]) -> int:
         node = ElementTree.parse(path).find("integrator/integer[@name='max_depth']")
     except ElementTree.ParseError as error:
         raise Error(f"{path}: {error}") from error
-    depth = -1 if node is None else int(_number_or_text(node.get("value", "-1")))
+    depth = -1 if node is None else int(float(node.get("value", "-1")))
     return ANY_DEPTH if depth < 0 else depth
-
-
-def _number_or_text(text: str) -> int | float | str:
-    for kind in (int, float):
-        try:
-            return kind(text)
-        except ValueError:
-            pass
-    return text
