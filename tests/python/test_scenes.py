@@ -21,6 +21,7 @@ LIGHTS = {
     "embers": 250_000,
     "cornell": 2,
     "million": 1_024_000,
+    "offices": 37_614,
 }
 
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 from .._core import Error
 from ..scene import Scene
-from . import city, cornell, embers, lanterns, million
+from . import city, cornell, embers, lanterns, million, offices
 
 _FILL: dict[str, Callable[..., None]] = {
     "lanterns": lanterns.fill,
@@ -15,6 +15,7 @@ _FILL: dict[str, Callable[..., None]] = {
     "embers": embers.fill,
     "cornell": cornell.fill,
     "million": million.fill,
+    "offices": offices.fill,
 }
 
 NAMES = {
@@ -23,6 +24,7 @@ NAMES = {
     "embers": "250,000 embers blown over a glossy floor, powers over six decades",
     "cornell": "the Cornell box under a square lamp: 2 triangle lights",
     "million": "snowy hills planted with 51,200 glowing bulbs: 1,024,000 triangle lights",
+    "offices": "144 offices at night, seen from one of them: most lamps are behind walls",
 }
 """The example scenes, and what each shows."""
 
