@@ -124,34 +124,79 @@ def blocked(triangles: np.ndarray, eye: np.ndarray, ends: np.ndarray) -> np.ndar
     return crossed.any(axis=1)
 
 
-def share_seen(room: Room, triangles: np.ndarray, lamps: np.ndarray) -> float:
-    """Of the lamps about a room, those that are seen from any of some points in it."""
-    low, high = room.bounds()
-    about = np.array((low - 7.0, high + 7.0))
-    lamps = lamps[inside(about, lamps) & ~inside(room.bounds(), lamps)]
-    near = (triangles.min(axis=1) < about[1]) & (triangles.max(axis=1) > about[0])
-    triangles = triangles[near.all(axis=1)]
-    centre = room.door.centre
-    seen = np.zeros(len(lamps), dtype=bool)
-    for x, y, z in ((centre, 1.0, 1.1), (centre, 1.6, 4.0), (-1.8, 2.6, 0.1), (1.8, 0.2, 4.9)):
-        seen |= ~blocked(triangles, room.at(x, y, z), lamps)
-    return float(seen.mean())
+def near(triangles: np.ndarray, bounds: np.ndarray) -> np.ndarray:
+    """Those that may reach into a box."""
+    apart = (triangles.max(axis=1) < bounds[0]) | (triangles.min(axis=1) > bounds[1])
+    return triangles[~apart.any(axis=1)]
 
 
-def test_what_is_seen_through_doors(rooms: list[Room]) -> None:
-    """Nothing through a closed one: walls, linings and leaves leave no gap. Through one that stands
-    wide open something, though most lamps stay hidden."""
-    with_doors = occluders(("walls", "lining", "door"))
+def grid(room: Room, x: np.ndarray, y: np.ndarray, z: np.ndarray) -> np.ndarray:
+    """(N, 3) in the world: all of these coordinates of a room with each other."""
+    local = np.stack(np.meshgrid(x, y, z), axis=-1).reshape(-1, 3)
+    return room.at(0, 0, 0) + local * (room.at(1, 1, 1) - room.at(0, 0, 0))
+
+
+HEIGHTS = np.arange(0.02, plan.HEIGHT, 0.09)
+
+
+def in_doorway(room: Room, points: np.ndarray, margin: float) -> np.ndarray:
+    across = np.abs(points[:, 0] - room.at(room.door.centre, 0, 0)[0])
+    high = points[:, 1] < plan.DOOR_HEIGHT + margin
+    return (across < room.door.width / 2 + margin) & high
+
+
+def test_closed_doors_leave_no_gap(rooms: list[Room]) -> None:
+    """What is behind the door's wall is hidden from the middle of the room; without a door it is
+    seen through the doorway."""
+    with_doors, walls = occluders(("walls", "lining", "door")), occluders(("walls",))
+    for room in (room for room in rooms if room.door.closed):
+        about = room.bounds() + np.array(((-0.5,), (0.5,)))
+        behind = np.array((-plan.WALL - 0.05,))
+        ends = grid(room, np.arange(-1.9, 1.9, 0.015), HEIGHTS, behind)
+        eye = room.at(0.0, 1.3, 2.5)
+        assert blocked(near(with_doors, about), eye, ends).all(), (room.band, room.column)
+        doorway = in_doorway(room, ends, 0.0).sum()
+        assert 0.6 * doorway < (~blocked(near(walls, about), eye, ends)).sum() < 1.2 * doorway
+
+
+def test_both_sides_of_a_wall_are_closed(rooms: list[Room]) -> None:
+    """Between the surface of a room and that of the corridor or of the next room, nothing is seen
+    from either but by the doorway."""
     walls = occluders(("walls",))
-    lamps = all_centroids()[::19]
+    x = np.arange(-1.92, 1.95, 0.06)
+    z = np.arange(0.03, plan.DEPTH, 0.06)
     for room in rooms:
         place = (room.band, room.column)
-        assert share_seen(room, walls, lamps) > 0, place
-        share = share_seen(room, with_doors, lamps)
-        if room.door.closed:
-            assert share == 0, place
-        elif max(room.door.angles) > 1.25:
-            assert 0 < share < 0.5, place
+        front = grid(room, x, HEIGHTS, np.array((-0.01,)))
+        back = grid(room, x, HEIGHTS, np.array((plan.DEPTH + 0.01,)))
+        sides = grid(room, np.array((-1.0, 1.0)) * (plan.WIDTH / 2 + 0.01), HEIGHTS, z)
+        ends = np.concatenate((front[~in_doorway(room, front, 0.01)], back, sides))
+        about = room.bounds() + np.array(((-0.05,), (0.05,)))
+        assert blocked(near(walls, about), room.at(0.0, 1.3, 2.5), ends).all(), place
+
+        # From the corridor, and up to the middle of the walls to the rooms beside.
+        x_outside = np.arange(-1.99, 2.0, 0.06)
+        ends = grid(room, x_outside, HEIGHTS, np.array((0.01 - plan.WALL,)))
+        ends = ends[~in_doorway(room, ends, 0.01)]
+        eye = room.at(0.0, 1.3, -plan.WALL - 1.1)
+        about = np.stack((np.minimum(ends.min(axis=0), eye), np.maximum(ends.max(axis=0), eye)))
+        assert blocked(near(walls, about), eye, ends).all(), place
+
+
+def test_most_lamps_are_hidden_through_open_doors(rooms: list[Room]) -> None:
+    """Of those about a room some are seen through a door that stands wide open."""
+    triangles = occluders(("walls", "lining", "door"))
+    lamps = all_centroids()[::19]
+    for room in rooms:
+        if max(room.door.angles) < 1.25:
+            continue
+        about = room.bounds() + np.array(((-7.0,), (7.0,)))
+        own = lamps[inside(about, lamps) & ~inside(room.bounds(), lamps)]
+        seen = np.zeros(len(own), dtype=bool)
+        for z, y in ((1.1, 1.0), (4.0, 1.6)):
+            eye = room.at(room.door.centre, y, z)
+            seen |= ~blocked(near(triangles, about), eye, own)
+        assert 0 < seen.mean() < 0.5, (room.band, room.column)
 
 
 def test_the_camera_is_in_its_room(rooms: list[Room]) -> None:
