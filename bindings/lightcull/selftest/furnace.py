@@ -31,6 +31,7 @@ def cases() -> Cases:
         Fireflies("city"),
         Fireflies("embers"),
         Fireflies("million"),
+        Fireflies("offices"),
     ):
         yield Case(scene.name, scene.find, once=True, note=scene.note)
 

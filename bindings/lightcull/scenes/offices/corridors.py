@@ -36,9 +36,10 @@ def furnish(furniture: Furniture, lamps: Lamps, chance: Chance) -> None:
 
 
 def _lamp(
-    furniture: Furniture, lamps: Lamps, chance: Chance, place: tuple, kelvin: float, level: float
+    furniture: Furniture, lamps: Lamps, chance: Chance, top: tuple, kelvin: float, level: float
 ) -> None:
-    place = np.array(place)
+    """top: where it hangs from."""
+    place = np.array(top)
     furniture.put_in_world("stem", place)
     globe = place - (0.0, 0.19, 0.0)
     if chance.uniform() < BROKEN:
