@@ -157,7 +157,10 @@ bool Renderer::render_pass(const std::atomic<bool>* cancel) {
     RenderStats& cost = impl_->cost = {};
     impl_->arena.execute([&] { impl_->render_regions(cancel); });
     for (Wavefront& wavefront : impl_->wavefronts) cost.rays += wavefront.take_ray_count();
-    if (cancel != nullptr && cancel->load()) return false;
+    if (cancel != nullptr && cancel->load()) {
+        impl_->sampler->drop_reports();
+        return false;
+    }
     impl_->film.add(impl_->pass_pixels);
 
     RenderStats& stats = impl_->stats;

@@ -167,15 +167,15 @@ void Wavefront::add_direct_light() {
     for (std::size_t k = 0; k < order_.size(); ++k) {
         const std::uint32_t pixel = path_of(k).pixel;
         const PathRandom random = random_of(pixel);
-        const auto shoot = [&](const LightSample& sample) {
+        const auto shoot = [&](const LightSample& sample, std::uint32_t vertex) {
             if (sample.value == V3f(0.0f)) return;
             shadow_rays_.push_back(sample.shadow_ray);
-            contributions_.push_back({pixel, sample.value});
+            contributions_.push_back({pixel, vertex, sample.value});
         };
         // The light and the environment get one ray each: a choice between the two would double the
         // variance of both.
-        if (has_lights()) shoot(sample_light(k, random));
-        if (pass_->scene.environment) shoot(sample_environment(k, random));
+        if (has_lights()) shoot(sample_light(k, random), static_cast<std::uint32_t>(k));
+        if (pass_->scene.environment) shoot(sample_environment(k, random), kNone);
     }
     occluded_.resize(shadow_rays_.size());
     pass_->scene.ray_tracer->occluded(shadow_rays_, occluded_);
@@ -183,6 +183,20 @@ void Wavefront::add_direct_light() {
     for (std::size_t j = 0; j < shadow_rays_.size(); ++j) {
         if (occluded_[j] == 0) pass_->pixels[contributions_[j].pixel] += contributions_[j].value;
     }
+    if (pass_->sampler.wants_reports()) report_visibility();
+}
+
+void Wavefront::report_visibility() {
+    outcomes_.clear();
+    for (std::size_t j = 0; j < contributions_.size(); ++j) {
+        const std::uint32_t vertex = contributions_[j].vertex;
+        if (vertex == kNone) continue;
+        const Selection& selection = selections_[vertex];
+        const float visibility = occluded_[j] == 0 ? 1.0f : 0.0f;
+        outcomes_.push_back({points_[vertex].position, points_[vertex].normal, selection.receipt,
+                             selection.light, visibility});
+    }
+    pass_->sampler.report(outcomes_);
 }
 
 Wavefront::LightSample Wavefront::sample_light(std::size_t vertex,

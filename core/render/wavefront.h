@@ -62,7 +62,7 @@ class Wavefront {
     static constexpr std::size_t bytes_per_path() noexcept {
         return 2 * (sizeof(Path) + sizeof(Ray)) + sizeof(Hit) + sizeof(std::uint32_t) +
                sizeof(Surface) + sizeof(ShadingPoint) + sizeof(float) + sizeof(Selection) +
-               sizeof(Ray) + sizeof(Contribution) + sizeof(std::uint8_t) + sizeof(V3f) +
+               sizeof(Ray) + sizeof(Contribution) + sizeof(std::uint8_t) + sizeof(LightOutcome) + sizeof(V3f) +
                sizeof(std::uint64_t);
     }
 
@@ -79,6 +79,7 @@ class Wavefront {
     /// The light that a shadow ray brings if nothing is in its way.
     struct Contribution {
         std::uint32_t pixel;
+        std::uint32_t vertex;  ///< vertex whose selected light it is; kNone: the environment
         V3f value;
     };
     /// A direction to an emitter or the environment, and the light that it brings.
@@ -99,6 +100,7 @@ class Wavefront {
     void add_direct_light();
     LightSample sample_light(std::size_t vertex, const PathRandom& random) const noexcept;
     LightSample sample_environment(std::size_t vertex, const PathRandom& random) const noexcept;
+    void report_visibility();
     void scatter();
 
     bool needs_selection() const noexcept;
@@ -124,6 +126,7 @@ class Wavefront {
     std::vector<Ray> shadow_rays_;
     std::vector<Contribution> contributions_;
     std::vector<std::uint8_t> occluded_;
+    std::vector<LightOutcome> outcomes_;
     // Room for sorting.
     std::vector<V3f> positions_;
     std::vector<std::uint64_t> sort_keys_;

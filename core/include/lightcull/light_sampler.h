@@ -43,7 +43,8 @@ struct ShadingPoint {
 /// sampler alone.
 struct Receipt {
     float weight_sum = 0.0f;  ///< W, the sum of the weights of the lights that were accepted
-    std::uint32_t key = 0;    ///< the set that was used
+    std::uint32_t key = 0;    ///< the set that was used, or with bit 31 what else the sampler has
+                              ///< chosen from
 };
 
 /// The light chosen for a point.
@@ -55,6 +56,16 @@ struct Selection {
     float mis_prob = 0.0f;    ///< what prob() says of the light, for MIS weights; equal to `prob`,
                               ///< but for samplers whose prob is not known for other lights
     Receipt receipt;
+};
+
+/// What became of a light that was selected for a point: what a sampler may learn from.
+struct LightOutcome {
+    float3 position;         ///< ShadingPoint::position of the point
+    float3 normal;           ///< ShadingPoint::normal of the point
+    Receipt receipt;         ///< Selection::receipt
+    std::uint32_t light = 0; ///< Selection::light
+    float visibility = 0.0f; ///< share of the light's rays that arrived, [0, 1]: 0 where a shadow
+                             ///< ray was blocked, 1 or a transmittance where not
 };
 
 /// Chooses lights for shading points by random ranges that do not change: a pass of a LightSampler.
@@ -102,6 +113,17 @@ class LIGHTCULL_EXPORT LightSelector {
         return prob(point, Receipt{}, light);
     }
 
+    /// Reports what became of selected lights, to a sampler that learns; others do not listen.
+    /// It may be called from any thread and in any order, with any part of the selections of this
+    /// pass, and does not change what the pass selects: what was learned is used from the next
+    /// LightSampler::begin_pass() on, for which all outcomes count that have been reported by then.
+    /// Outcomes that make no sense are left out. A host reports the shadow rays that it traced,
+    /// and no others.
+    virtual void report(Span<const LightOutcome> outcomes) const noexcept;
+
+    /// False if report() does nothing: the sampler does not learn, or no more.
+    virtual bool wants_reports() const noexcept { return false; }
+
     /// Number of sets of random ranges, a power of 4. 1: it does not matter which a point uses.
     virtual std::uint32_t set_count() const noexcept { return 1; }
 };
@@ -145,6 +167,10 @@ class LIGHTCULL_EXPORT LightSampler : public LightSelector {
     /// number of lights, for lights that make_sampler() would refuse, and where the update cannot
     /// be done; a sampler of a host's own does that unless it overrides this.
     virtual LightUpdate update(Span<const Light> lights, float max_growth = 2.0f);
+
+    /// Forgets what has been reported since the last begin_pass(), as a host does that drops a
+    /// pass under way.
+    virtual void drop_reports() noexcept {}
 };
 
 }  // namespace lightcull

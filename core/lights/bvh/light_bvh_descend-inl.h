@@ -94,13 +94,10 @@ HWY_ATTR void descend(const LightBvh<Node>& bvh, Span<LightBvhDescent> descents)
 
 template <typename Node>
 HWY_ATTR double prob_of_slot(const LightBvh<Node>& bvh, const Receiver& receiver, LightBvhSlot slot,
-                             double prob) {
+                             LightBvhSlot top, double prob) {
     LightBvhSlot path[LightBvh<Node>::kMaxDepth];
     std::size_t depth = 0;
-    for (; slot != LightBvh<Node>::kNoSlot; slot = bvh.parents[slot / kWidth]) {
-        path[depth++] = slot;
-    }
-    if (depth == 0) return 0.0;
+    for (; slot != top; slot = bvh.parents[slot / kWidth]) path[depth++] = slot;
     while (depth-- > 0) {
         const Shares shares(bvh.nodes[path[depth] / kWidth], receiver);
         if (!(shares.total() > 0.0)) return 0.0;

@@ -19,10 +19,11 @@ struct LightBvhKernels {
     /// memory.
     void (*descend)(const LightBvh<Node>& bvh, Span<LightBvhDescent> descents);
 
-    /// The probability of what a slot holds: to the bit what a descent finds that takes it, if it
-    /// starts with `prob` where LightBvh::parents end. 0 for kNoSlot.
+    /// The probability of what a slot holds, if that of what `top` holds is `prob`: to the bit what
+    /// a descent finds that takes it. top: the slot itself or one above it; kNoSlot: the root is
+    /// reached with `prob`.
     double (*prob_of_slot)(const LightBvh<Node>& bvh, const Receiver& receiver, LightBvhSlot slot,
-                           double prob);
+                           LightBvhSlot top, double prob);
 };
 
 /// The kernels for the instruction set in use.

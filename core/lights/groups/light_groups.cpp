@@ -39,7 +39,6 @@ class Grouping {
             const auto group = static_cast<std::uint32_t>(out_.groups.size());
             out_.groups.emplace_back().set(0, node, slot);
             out_.slots.push_back(n * kWidth + slot);
-            if (!is_light(child)) out_.bvh.parents[child] = LightBvh<MeansNode>::kNoSlot;
             give(child, group);
         }
     }

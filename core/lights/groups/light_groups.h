@@ -23,8 +23,7 @@ static_assert(sizeof(LightGroup) == 64);
 struct LightGroups {
     static constexpr std::uint32_t kNoGroup = 0xffffffffu;
 
-    LightBvh<MeansNode> bvh;  ///< light BVH, whose `parents` end at the subtree of a group: kNoSlot
-                              ///< above it
+    LightBvh<MeansNode> bvh;
     std::vector<LightGroup> groups;
     std::vector<LightBvhSlot> slots;      ///< slot that stands for a group, by group
     std::vector<std::uint32_t> group_of;  ///< group of a light, by light; kNoGroup for a light of

@@ -59,6 +59,8 @@ class CulledSampler final : public CulledSamplerBase, public SamplerInfo {
 
     CulledScene scene() const noexcept override { return {frame_, *groups_, tree_}; }
 
+    std::shared_ptr<const LightGroups> groups() const noexcept override { return groups_; }
+
     void begin_pass(std::uint64_t pass) override { tree_.begin_pass(pass); }
 
     std::unique_ptr<const LightSelector> pass(std::uint64_t number) const override {
@@ -137,7 +139,7 @@ class CulledSampler final : public CulledSamplerBase, public SamplerInfo {
         const float sum = accepted
                               ? receipt.weight_sum
                               : std::abs(receipt.weight_sum) + g * tree_.inverse_prob(index, way);
-        return prob_of_light(x, group, light, static_cast<double>(g / sum));
+        return prob_of_light(x, index, light, static_cast<double>(g / sum));
     }
 
     std::uint32_t set_count() const noexcept override { return tree_.ranges().set_count(); }
@@ -165,13 +167,10 @@ class CulledSampler final : public CulledSamplerBase, public SamplerInfo {
     static bool is_alone(const Receipt& receipt) noexcept { return receipt.weight_sum < 0.0f; }
 
     /// The probability of a light in a group of that probability.
-    float prob_of_light(const Receiver& x, const LightGroup& group, std::uint32_t light,
+    float prob_of_light(const Receiver& x, std::uint32_t index, std::uint32_t light,
                         double prob_of_group) const noexcept {
-        const bool alone = (group.child[0] & LightBvhNode::kLight) != 0;
-        if (alone) return static_cast<float>(prob_of_group);
-        const LightBvhSlot slot = groups_->bvh.slots[light];
-        return static_cast<float>(
-            light_bvh_kernels<MeansNode>().prob_of_slot(groups_->bvh, x, slot, prob_of_group));
+        return static_cast<float>(light_bvh_kernels<MeansNode>().prob_of_slot(
+            groups_->bvh, x, groups_->bvh.slots[light], groups_->slots[index], prob_of_group));
     }
 
     /// The probability of a light where no group is accepted, or its own alone.
@@ -183,9 +182,9 @@ class CulledSampler final : public CulledSamplerBase, public SamplerInfo {
         if (importance(group, x) > 0.0f) {
             p = 1.0 / static_cast<double>(tree_.inverse_prob(index, way));
         }
-        const double q = light_bvh_kernels<MeansNode>().prob_of_slot(groups_->bvh, x,
-                                                                     groups_->slots[index], 1.0);
-        return prob_of_light(x, group, light, p + (1.0 - p) * q);
+        const double q = light_bvh_kernels<MeansNode>().prob_of_slot(
+            groups_->bvh, x, groups_->slots[index], LightBvh<MeansNode>::kNoSlot, 1.0);
+        return prob_of_light(x, index, light, p + (1.0 - p) * q);
     }
 
     /// Puts a descent at the top of the group that was chosen, or of all if none was.

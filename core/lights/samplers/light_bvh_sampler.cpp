@@ -46,8 +46,10 @@ class LightBvhSampler final : public PasslessSampler<LightBvhSampler<Node>> {
 
     float prob(const ShadingPoint& point, const Receipt&,
                std::uint32_t light) const noexcept override {
-        return static_cast<float>(light_bvh_kernels<Node>().prob_of_slot(*bvh_, to_local(point),
-                                                                         bvh_->slots[light], 1.0));
+        const LightBvhSlot slot = bvh_->slots[light];
+        if (slot == kNoSlot) return 0.0f;
+        return static_cast<float>(
+            light_bvh_kernels<Node>().prob_of_slot(*bvh_, to_local(point), slot, kNoSlot, 1.0));
     }
     bool needs_receipt() const noexcept override { return false; }
 
@@ -90,6 +92,8 @@ class LightBvhSampler final : public PasslessSampler<LightBvhSampler<Node>> {
     }
 
   private:
+    static constexpr LightBvhSlot kNoSlot = LightBvh<Node>::kNoSlot;
+
     /// Selects for at most kMaxDescents points, in turn, so that one waits for memory while others
     /// compute.
     void select_some(Span<const ShadingPoint> points, const float* u,

@@ -15,6 +15,9 @@ void LightSelector::select(Span<const ShadingPoint> points, Span<const float> u,
     });
 }
 
+void LightSelector::report(Span<const LightOutcome>) const noexcept {
+}
+
 LightUpdate LightSampler::update(Span<const Light>, float) {
     throw Error("update: this sampler takes no changed lights");
 }

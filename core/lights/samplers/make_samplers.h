@@ -16,5 +16,8 @@ std::unique_ptr<LightSampler> make_light_bvh_sampler(const LightBvhOptions& opti
 std::unique_ptr<LightSampler> make_culled_sampler(const CulledOptions& options,
                                                   Span<const Light> lights,
                                                   const SamplerContext& context);
+std::unique_ptr<LightSampler> make_learned_sampler(const LearnedOptions& options,
+                                                   Span<const Light> lights,
+                                                   const SamplerContext& context);
 
 }  // namespace lightcull

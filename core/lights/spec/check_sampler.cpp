@@ -22,6 +22,11 @@ void check(const CulledOptions& options) {
     if (options.group_size == 0u) throw Error("group is 0, wanted 1 or more");
 }
 
+void check(const LearnedOptions& options) {
+    if (options.rounds == 0) throw Error("rounds is 0, wanted 1 or more");
+    if (options.memory_mib == 0) throw Error("memory is 0, wanted 1 MiB or more");
+}
+
 void check(const PaperOptions& options) {
     check_range_options(options.range);
     check_set_count(options.set_count);

@@ -21,6 +21,9 @@ struct Maker {
     Sampler operator()(const CulledOptions& options) const {
         return make_culled_sampler(options, lights, context);
     }
+    Sampler operator()(const LearnedOptions& options) const {
+        return make_learned_sampler(options, lights, context);
+    }
     Sampler operator()(const PaperOptions& options) const {
         return make_paper_sampler(options, lights, context);
     }

@@ -28,6 +28,13 @@ CulledOptions take_culled(Description& description) {
     return options;
 }
 
+LearnedOptions take_learned(Description& description) {
+    LearnedOptions options;
+    description.take_number("rounds", options.rounds);
+    description.take_number("memory", options.memory_mib);
+    return options;
+}
+
 PaperOptions take_paper(Description& description) {
     PaperOptions options;
     take_range_options(description, options.range);
@@ -52,6 +59,7 @@ LightBvhOptions take_light_bvh(Description& description) {
 
 SamplerSpec take_sampler(Description& description) {
     if (description.name == "culled") return take_culled(description);
+    if (description.name == "learned") return take_learned(description);
     if (description.name == "paper") return take_paper(description);
     if (description.name == "clamped") return take_clamped(description);
     if (description.name == "light_bvh") return take_light_bvh(description);
@@ -60,7 +68,7 @@ SamplerSpec take_sampler(Description& description) {
     if (description.name == "exhaustive") return ExhaustiveOptions{};
     description.fail(
         "unknown; there are uniform, power, light_bvh, exhaustive, clamped, culled, "
-        "paper");
+        "learned, paper");
 }
 
 }  // namespace

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "lights/bvh/light_bvh.h"
+
+namespace lightcull {
+
+/// A cut through a light BVH: clusters that together hold each lit light once, in the order of the
+/// tree's leaves, each with what a place sees of it. The places after the last cluster are empty
+/// ones, of importance 0.
+struct alignas(64) ClusterCut : ClusterMeans<64> {
+    static constexpr std::uint32_t kMaxSize = 64;
+
+    float visible[kMaxSize];            ///< factor of a cluster's importance, (0, 1]
+    std::uint32_t first_leaf[kMaxSize]; ///< first leaf of a cluster (LeafOrder), ascending
+    LightBvhSlot slot[kMaxSize];        ///< slot of the tree that holds a cluster
+    std::uint32_t size = 0;             ///< number of clusters
+
+    ClusterCut() noexcept { clear(); }
+    void clear() noexcept;
+
+    /// The place of the cluster that holds a leaf. The cut must not be empty.
+    std::uint32_t place_of_leaf(std::uint32_t leaf) const noexcept;
+};
+
+/// The weights of the clusters of a cut at a receiver: importance by `visible`.
+struct alignas(64) CutWeights {
+    static constexpr std::size_t kStride = 16;
+
+    float of[ClusterCut::kMaxSize];  ///< weights, by place in the cut
+    float sums[kStride];             ///< sum over every kStride-th place, from each of the first on
+    float total;
+};
+
+/// A cluster that was chosen out of a cut.
+struct CutChoice {
+    std::uint32_t place;  ///< place in the cut
+    double within;        ///< place in the cluster's share where the choice fell, [0, 1)
+};
+
+/// Chooses a cluster in proportion to its weight, by a number in [0, 1). total must not be 0.
+CutChoice choose(const CutWeights& weights, std::uint32_t size, double number) noexcept;
+
+}  // namespace lightcull

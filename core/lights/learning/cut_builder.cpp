@@ -1,0 +1,166 @@
+#include "lights/learning/cut_builder.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <unordered_map>
+#include <vector>
+
+#include "base/float3_math.h"
+#include "lights/bvh/light_bvh_kernels.h"
+
+namespace lightcull {
+namespace {
+
+constexpr std::uint32_t kWidth = LightBvhNode::kWidth;
+
+/// A cluster that is in the cut so far.
+struct Candidate {
+    LightBvhSlot slot;
+    std::uint32_t child;
+    Evidence evidence;
+    float weight;
+    float gain;  ///< what is gained by cutting it up
+};
+
+/// What is known of the clusters of a cut and of all above them, by slot.
+class KnownEvidence {
+  public:
+    KnownEvidence(const LightBvh<MeansNode>& bvh, const ClusterCut& cut,
+                  const CutEvidence& evidence) {
+        for (std::uint32_t i = 0; i < cut.size; ++i) {
+            const Evidence& known = evidence.of[i];
+            for (LightBvhSlot slot = cut.slot[i]; slot != LightBvh<MeansNode>::kNoSlot;
+                 slot = bvh.parents[slot / kWidth]) {
+                Evidence& sum = by_slot_[slot];
+                sum.tries += known.tries;
+                sum.hits += known.hits;
+            }
+        }
+    }
+
+    /// What is known of a slot; below the cut, what the slot above hands down.
+    Evidence of(LightBvhSlot slot, const Evidence& above) const {
+        if (const auto found = by_slot_.find(slot); found != by_slot_.end()) return found->second;
+        constexpr float kHandedDown = 6.0f;
+        const float share = above.tries > kHandedDown ? kHandedDown / above.tries : 1.0f;
+        return {above.tries * share, above.hits * share};
+    }
+
+  private:
+    std::unordered_map<LightBvhSlot, Evidence> by_slot_;
+};
+
+/// The node with clusters that are as wide as if all points of the place were seen from one.
+MeansNode softened(const MeansNode& node, float radius) noexcept {
+    MeansNode soft = node;
+    for (std::size_t i = 0; i < kWidth; ++i) {
+        soft.radius[i] += radius;
+        soft.apex[i] += 2.0f * radius;
+        soft.spread[i] = std::copysign(std::abs(soft.spread[i]) + radius * radius, 1.0f);
+    }
+    return soft;
+}
+
+class CutBuilder {
+  public:
+    CutBuilder(const LightBvh<MeansNode>& bvh, const CutPlace& place, const KnownEvidence& known)
+        : bvh_(bvh), place_(place), receiver_(place.position, place.normal), known_(known) {
+        clusters_.reserve(ClusterCut::kMaxSize);
+        if (!bvh.nodes.empty()) open(0, {});
+    }
+
+    /// Cuts up what gains most by it, as far as there is room.
+    void refine() {
+        while (true) {
+            const auto best = std::max_element(
+                clusters_.begin(), clusters_.end(),
+                [](const Candidate& a, const Candidate& b) { return a.gain < b.gain; });
+            if (best == clusters_.end() || !(best->gain > kLeastGain * weight_sum_)) return;
+            if (clusters_.size() + kWidth - 1 > ClusterCut::kMaxSize) return;
+            const Candidate opened = *best;
+            *best = clusters_.back();
+            clusters_.pop_back();
+            weight_sum_ -= opened.weight;
+            open(opened.child, opened.evidence);
+        }
+    }
+
+    std::vector<Candidate>& clusters() noexcept { return clusters_; }
+
+  private:
+    /// What a cluster's size counts for beside what it may hide, found by trial on the example
+    /// scenes.
+    static constexpr float kSizeCounts = 4.0f;
+    /// The share of all weight below which a gain is not worth a cluster.
+    static constexpr float kLeastGain = 1e-3f;
+
+    void open(std::uint32_t n, const Evidence& above) {
+        const MeansNode& node = bvh_.nodes[n];
+        LightBvhImportances g;
+        light_bvh_kernels<MeansNode>().importances(softened(node, place_.radius), receiver_, g.of);
+        for (std::uint32_t i = 0; i < kWidth; ++i) {
+            if (node.child[i] == LightBvhNode::kEmpty) continue;
+            const LightBvhSlot slot = n * kWidth + i;
+            const Evidence evidence = known_.of(slot, above);
+            const float factor = visible_factor(evidence), weight = g.of[i] * factor;
+            weight_sum_ += weight;
+            const bool is_light = (node.child[i] & LightBvhNode::kLight) != 0;
+            const float gain =
+                is_light ? 0.0f : weight * (1.0f - factor + kSizeCounts * relative_size(node, i));
+            clusters_.push_back({slot, node.child[i], evidence, weight, gain});
+        }
+    }
+
+    /// The relative variance of what a cluster's lights give the place, about.
+    float relative_size(const MeansNode& node, std::size_t i) const noexcept {
+        const float3 center{node.center[0][i], node.center[1][i], node.center[2][i]};
+        const float3 way = center - place_.position;
+        const float spread = std::abs(node.spread[i]);
+        return spread / (dot(way, way) + spread + place_.radius * place_.radius);
+    }
+
+    const LightBvh<MeansNode>& bvh_;
+    const CutPlace& place_;
+    Receiver receiver_;
+    const KnownEvidence& known_;
+    std::vector<Candidate> clusters_;
+    float weight_sum_ = 0.0f;
+};
+
+}  // namespace
+
+float visible_factor(const Evidence& evidence) noexcept {
+    // Rays that arrived, as a part of one, before the first was traced.
+    constexpr float kPrior = 0.1f;
+    const float visible = (evidence.hits + kPrior) / (evidence.tries + kPrior);
+    return std::clamp(std::sqrt(visible), kLeastVisible, 1.0f);
+}
+
+void rebuild_cut(const LightBvh<MeansNode>& bvh, const LeafOrder& leaves, const CutPlace& place,
+                 ClusterCut& cut, CutEvidence& evidence) {
+    const KnownEvidence known(bvh, cut, evidence);
+    CutBuilder builder(bvh, place, known);
+    builder.refine();
+    std::vector<Candidate>& clusters = builder.clusters();
+    std::sort(clusters.begin(), clusters.end(), [&](const Candidate& a, const Candidate& b) {
+        return leaves.first(a.slot) < leaves.first(b.slot);
+    });
+    cut.clear();
+    for (const Candidate& cluster : clusters) {
+        const std::uint32_t i = cut.size++;
+        cut.first_leaf[i] = leaves.first(cluster.slot);
+        cut.slot[i] = cluster.slot;
+        cut.visible[i] = visible_factor(cluster.evidence);
+        evidence.of[i] = cluster.evidence;
+    }
+    refresh_cut(bvh, cut);
+}
+
+void refresh_cut(const LightBvh<MeansNode>& bvh, ClusterCut& cut) noexcept {
+    for (std::uint32_t i = 0; i < cut.size; ++i) {
+        cut.set(i, bvh.nodes[cut.slot[i] / kWidth], cut.slot[i] % kWidth);
+    }
+}
+
+}  // namespace lightcull

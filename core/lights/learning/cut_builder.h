@@ -1,0 +1,49 @@
+#pragma once
+
+#include <lightcull/float3.h>
+
+#include <cstdint>
+
+#include "lights/bvh/light_bvh.h"
+#include "lights/learning/cluster_cut.h"
+#include "lights/learning/leaf_order.h"
+
+namespace lightcull {
+
+/// The points for which a cut is made, in the units of the lights.
+struct CutPlace {
+    float3 position;  ///< mean of their positions
+    float3 normal;    ///< mean normal, unit length; 0: points of a volume, or of many normals
+    float radius;     ///< distance that they keep from the mean, about
+};
+
+/// The shadow rays to a cluster that were traced, and those that arrived. A transmittance is part
+/// of a ray; what is handed down to a part of a cluster counts for less.
+struct Evidence {
+    float tries = 0.0f, hits = 0.0f;
+};
+
+/// The evidence of each cluster of a cut.
+struct CutEvidence {
+    Evidence of[ClusterCut::kMaxSize];
+};
+
+/// The factor by which a cluster's importance is multiplied, of V, the share of its shadow rays
+/// that arrive: a root, since what varies is squared (Rath et al. 2020, "Variance-aware path
+/// guiding": p in proportion to the root of the second moment).
+float visible_factor(const Evidence& evidence) noexcept;
+
+/// The least that visible_factor() returns: no light's probability is below that times what it
+/// would be without learning.
+inline constexpr float kLeastVisible = 0.02f;
+
+/// Makes the cut with the most detail where a place may be lit from and where it is not yet known
+/// what of a cluster it sees, and hands over what is known of the clusters of `cut` before.
+/// Writes both.
+void rebuild_cut(const LightBvh<MeansNode>& bvh, const LeafOrder& leaves, const CutPlace& place,
+                 ClusterCut& cut, CutEvidence& evidence);
+
+/// Takes the quantities of clusters from a tree that has been refitted.
+void refresh_cut(const LightBvh<MeansNode>& bvh, ClusterCut& cut) noexcept;
+
+}  // namespace lightcull

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <cstdint>
+
+#include "lights/learning/cluster_cut.h"
+#include "lights/light/receiver.h"
+
+namespace lightcull {
+
+/// The work that is done with cuts, for one instruction set; all of them give the same bits.
+struct CutKernels {
+    /// Weighs all clusters of a cut.
+    void (*weigh)(const ClusterCut& cut, const Receiver& receiver, CutWeights& weights);
+
+    /// The weight of one of them, to the bit that of weigh().
+    float (*weight_of)(const ClusterCut& cut, std::uint32_t place, const Receiver& receiver);
+};
+
+/// The kernels for the instruction set in use.
+const CutKernels& cut_kernels() noexcept;
+
+}  // namespace lightcull

@@ -1,0 +1,246 @@
+#include "lights/learning/learned_cells.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "base/float3_math.h"
+#include "base/memory_size.h"
+#include "base/parallel_blocks.h"
+
+namespace lightcull {
+namespace {
+
+/// The edge of the first cells; the lights' bounds are two units wide.
+constexpr float kFirstSize = 0x1p-4f;
+/// A cell that this many points are met in, per round, is divided.
+constexpr std::uint32_t kCrowd = 200;
+/// Cells are worked on in blocks of this many.
+constexpr std::size_t kBlock = 16;
+
+/// Leaves only the `most` cells in which most points were met, in the order of their keys.
+void keep_most_met(std::vector<MetCell>& cells, std::size_t most) {
+    if (cells.size() <= most) return;
+    std::stable_sort(cells.begin(), cells.end(),
+                     [](const MetCell& a, const MetCell& b) { return a.count > b.count; });
+    cells.resize(most);
+    std::sort(cells.begin(), cells.end(),
+              [](const MetCell& a, const MetCell& b) { return a.key < b.key; });
+}
+
+/// What a cell's evidence says of a part of it: as much as a few rays.
+CutEvidence handed_down(CutEvidence evidence) noexcept {
+    constexpr float kRays = 16.0f;
+    for (Evidence& known : evidence.of) {
+        if (!(known.tries > kRays)) continue;
+        known.hits *= kRays / known.tries;
+        known.tries = kRays;
+    }
+    return evidence;
+}
+
+}  // namespace
+
+LearnedCells::LearnedCells(const LearningLimits& limits)
+    : limits_(limits),
+      lattice_(kFirstSize),
+      fresh_(nullptr),
+      new_cells_(std::make_unique<NewCells>()) {}
+
+LearnedCells::LearnedCells(const LearnedCells& other)
+    : limits_(other.limits_),
+      lattice_(other.lattice_),
+      table_(other.table_),
+      cells_(other.cells_),
+      cuts_(other.cuts_),
+      evidence_(other.evidence_),
+      fresh_(other.fresh_ ? new Fresh[other.cells_.size()] : nullptr),
+      new_cells_(other.new_cells_ ? std::make_unique<NewCells>() : nullptr),
+      reported_(other.reported_.load()),
+      round_(other.round_),
+      published_(other.published_) {
+    for (std::size_t i = 0; fresh_ && i < cells_.size(); ++i) {
+        for (std::size_t k = 0; k < ClusterCut::kMaxSize; ++k) {
+            fresh_[i].of[k] = other.fresh_[i].of[k].load(std::memory_order_relaxed);
+        }
+    }
+    if (new_cells_) new_cells_->restore(other.new_cells_->cells());
+}
+
+std::uint32_t LearnedCells::find_finest(const float3& position,
+                                        const float3& normal) const noexcept {
+    std::uint32_t cell = table_.find(lattice_.key(position, normal, 0));
+    for (std::uint32_t level = 1; cell != kNone && cells_[cell].divided; ++level) {
+        const std::uint32_t finer = table_.find(lattice_.key(position, normal, level));
+        if (finer == kNone) break;
+        cell = finer;
+    }
+    return cell;
+}
+
+std::uint32_t LearnedCells::find(const Receiver& receiver) const noexcept {
+    if (cells_.empty()) return kNone;
+    const float3 x = receiver.position, n = receiver.normal;
+    const std::uint32_t cell = find_finest(x, n);
+    if (cell == kNone) return kNone;
+    const std::uint32_t level = CellLattice::level_of(cells_[cell].key);
+    const std::uint32_t near = find_finest(lattice_.jittered(x, n, level), n);
+    return near == kNone ? cell : near;
+}
+
+void LearnedCells::report(const LearnedLights& lights, const LightOutcome& outcome,
+                          std::uint32_t cell) noexcept {
+    if (new_cells_ == nullptr) return;
+    const bool valid = outcome.visibility >= 0.0f && outcome.visibility <= 1.0f &&
+                       is_finite(outcome.position) && is_finite(outcome.normal) &&
+                       outcome.light < lights.bvh().slots.size() &&
+                       lights.bvh().slots[outcome.light] != LightBvh<MeansNode>::kNoSlot &&
+                       (cell == kNone || cell < size());
+    if (!valid) return;
+    if (!reported_.load(std::memory_order_relaxed)) {
+        reported_.store(true, std::memory_order_relaxed);
+    }
+    std::uint32_t level = 0;
+    if (cell != kNone) {
+        const std::uint32_t leaf = lights.leaves.first(lights.bvh().slots[outcome.light]);
+        const std::uint32_t place = cuts_[cell].place_of_leaf(leaf);
+        const auto hits = static_cast<std::uint64_t>(outcome.visibility * kParts + 0.5f);
+        fresh_[cell].of[place].fetch_add((hits << 32) + 1, std::memory_order_relaxed);
+        if (!cells_[cell].divided) return;
+        level = CellLattice::level_of(cells_[cell].key) + 1;
+    }
+    const float3 x = lights.frame.position(outcome.position);
+    const CellKey key = lattice_.key(x, outcome.normal, level);
+    if (table_.find(key) == kNone) new_cells_->add(lattice_, key, x, outcome.normal);
+}
+
+void LearnedCells::drop_reports() noexcept {
+    if (!reported_) return;
+    for (std::size_t i = 0; i < cells_.size(); ++i) {
+        for (auto& number : fresh_[i].of) number.store(0, std::memory_order_relaxed);
+    }
+    if (new_cells_) new_cells_->clear();
+    reported_ = false;
+}
+
+bool LearnedCells::due() const noexcept {
+    return reported_;
+}
+
+void LearnedCells::learn(const LearnedLights& lights) {
+    if (!reported_ || new_cells_ == nullptr) return;
+    ++round_;
+    // Cuts change after half as many rounds again: what is learned of a cut is of use only if the
+    // cut stays for a while.
+    take_reports();
+    reported_ = false;
+    const bool last = round_ >= limits_.rounds;
+    if (round_ >= published_ + std::max(1u, published_ / 2) || last) {
+        rebuild_cuts(lights);
+        published_ = round_;
+    }
+    make_cells(lights);
+    if (last) {
+        new_cells_.reset();
+        fresh_.reset();
+        evidence_ = {};
+    }
+}
+
+void LearnedCells::take_reports() {
+    for_each_block(cells_.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            std::uint64_t count = 0;
+            for (std::uint32_t k = 0; k < cuts_[i].size; ++k) {
+                const std::uint64_t fresh = fresh_[i].of[k].load(std::memory_order_relaxed);
+                if (fresh == 0) continue;
+                fresh_[i].of[k].store(0, std::memory_order_relaxed);
+                const std::uint64_t tries = fresh & 0xffffffffu;
+                evidence_[i].of[k].tries += static_cast<float>(tries);
+                evidence_[i].of[k].hits += static_cast<float>(fresh >> 32) / kParts;
+                count += tries;
+            }
+            const bool finest = CellLattice::level_of(cells_[i].key) == CellLattice::kMaxLevel;
+            if (count > kCrowd && !finest) cells_[i].divided = true;
+        }
+    });
+}
+
+void LearnedCells::rebuild_cuts(const LearnedLights& lights) {
+    for_each_block(cells_.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            rebuild_cut(lights.bvh(), lights.leaves, cells_[i].place, cuts_[i], evidence_[i]);
+        }
+    });
+}
+
+std::size_t LearnedCells::room() const noexcept {
+    constexpr std::size_t kPerCell =
+        sizeof(Cell) + sizeof(ClusterCut) + sizeof(CutEvidence) + sizeof(Fresh) + 4 * 16;
+    const std::size_t most = limits_.memory / kPerCell;
+    return most > cells_.size() ? most - cells_.size() : 0;
+}
+
+void LearnedCells::make_cells(const LearnedLights& lights) {
+    if (new_cells_->empty()) return;
+    if (new_cells_->full()) {
+        new_cells_->clear();
+        if (cells_.empty()) lattice_ = CellLattice(2.0f * lattice_.size(0));
+        return;
+    }
+    std::vector<MetCell> met = new_cells_->cells();
+    new_cells_->clear();
+    keep_most_met(met, room());
+    const std::size_t first = cells_.size();
+    std::vector<std::uint32_t> parents;
+    for (const MetCell& cell : met) parents.push_back(add_cell(cell));
+    cuts_.resize(cells_.size());
+    evidence_.resize(cells_.size());
+    for_each_block(met.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const std::size_t cell = first + i;
+            if (parents[i] != kNone) {
+                cuts_[cell] = cuts_[parents[i]];
+                evidence_[cell] = handed_down(evidence_[parents[i]]);
+            }
+            rebuild_cut(lights.bvh(), lights.leaves, cells_[cell].place, cuts_[cell],
+                        evidence_[cell]);
+        }
+    });
+    std::vector<CellKey> keys;
+    for (const Cell& cell : cells_) keys.push_back(cell.key);
+    table_ = CellTable(keys);
+    fresh_.reset(new Fresh[cells_.size()]);
+}
+
+std::uint32_t LearnedCells::add_cell(const MetCell& met) {
+    const std::uint32_t level = CellLattice::level_of(met.key);
+    const float scale = 1.0f / (static_cast<float>(met.count) * MetCell::kParts);
+    const auto mean = [&](const std::int64_t(&sums)[3]) {
+        return float3{static_cast<float>(sums[0]), static_cast<float>(sums[1]),
+                      static_cast<float>(sums[2])} *
+               scale;
+    };
+    const float edge = lattice_.size(level);
+    const float3 position = lattice_.corner(met.key) + mean(met.offset) * edge;
+    const float3 mean_normal = mean(met.normal);
+    // Where normals differ, light may come from anywhere.
+    constexpr float kAlike = 0.95f;
+    const float long_enough = length(mean_normal);
+    const float3 normal =
+        long_enough > kAlike ? mean_normal * (1.0f / long_enough) : float3{0, 0, 0};
+    const std::uint32_t parent = level == 0 ? kNone : find_finest(position, mean_normal);
+    cells_.push_back({met.key, {position, normal, 0.5f * edge}, met.count > kCrowd});
+    return parent;
+}
+
+void LearnedCells::refresh(const LearnedLights& lights) noexcept {
+    for (ClusterCut& cut : cuts_) refresh_cut(lights.bvh(), cut);
+}
+
+std::size_t LearnedCells::memory_size() const noexcept {
+    return table_.memory_size() + size_of(cells_) + size_of(cuts_) + size_of(evidence_) +
+           (fresh_ ? cells_.size() * sizeof(Fresh) : 0) + (new_cells_ ? sizeof(NewCells) : 0);
+}
+
+}  // namespace lightcull

@@ -1,0 +1,111 @@
+#pragma once
+
+#include <lightcull/light_sampler.h>
+#include <lightcull/span.h>
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "lights/groups/light_groups.h"
+#include "lights/learning/cell_grid.h"
+#include "lights/learning/cluster_cut.h"
+#include "lights/learning/cut_builder.h"
+#include "lights/learning/leaf_order.h"
+#include "lights/learning/new_cells.h"
+#include "lights/light/light_record.h"
+
+namespace lightcull {
+
+/// The lights that cells choose from.
+struct LearnedLights {
+    Frame frame;
+    std::shared_ptr<const LightGroups> groups;
+    LeafOrder leaves;
+
+    LearnedLights(const Frame& f, std::shared_ptr<const LightGroups> g)
+        : frame(f), groups(std::move(g)), leaves(groups->bvh) {}
+
+    const LightBvh<MeansNode>& bvh() const noexcept { return groups->bvh; }
+};
+
+/// Bounds on learning.
+struct LearningLimits {
+    std::size_t memory;    ///< most bytes of all cells
+    std::uint32_t rounds;  ///< number of rounds after which nothing changes any more
+};
+
+/// The cells of space, each with its cut and what was learned of it. Reports are collected from any
+/// thread, and change nothing until learn() is called.
+///
+/// Cells are made where points were met, and divided where many are. New ones take over what the
+/// cell knows that they are part of. When memory is full, no more are made, and those there are go
+/// on learning; where points lie in more places than can be counted, all begins anew with cells of
+/// twice the size.
+class LearnedCells {
+  public:
+    static constexpr std::uint32_t kNone = CellTable::kNone;
+
+    explicit LearnedCells(const LearningLimits& limits);
+    LearnedCells(const LearnedCells& other);
+    LearnedCells& operator=(const LearnedCells&) = delete;
+
+    /// The cell whose cut serves a point; kNone where none has been made.
+    std::uint32_t find(const Receiver& receiver) const noexcept;
+    const ClusterCut& cut(std::uint32_t cell) const noexcept { return cuts_[cell]; }
+    std::uint32_t size() const noexcept { return static_cast<std::uint32_t>(cuts_.size()); }
+
+    /// Collects an outcome. cell: the cell that served the point, or kNone.
+    void report(const LearnedLights& lights, const LightOutcome& outcome,
+                std::uint32_t cell) noexcept;
+    void drop_reports() noexcept;
+    /// False when learning has come to rest.
+    bool learning() const noexcept { return new_cells_ != nullptr; }
+
+    /// Ends a round: from time to time, what has been reported changes the cells. Runs in the
+    /// caller's TBB arena; the result does not depend on it.
+    void learn(const LearnedLights& lights);
+    /// Fits the cuts to lights that have moved in a tree of the same topology.
+    void refresh(const LearnedLights& lights) noexcept;
+    /// True if the next learn() may change the cells.
+    bool due() const noexcept;
+
+    std::size_t memory_size() const noexcept;
+
+  private:
+    struct Cell {
+        CellKey key;
+        CutPlace place;
+        bool divided;  ///< finer cells are made within it
+    };
+    /// The shadow rays to each cluster in the round: tries in the lower half, and hits in
+    /// kParts in the upper.
+    struct Fresh {
+        std::atomic<std::uint64_t> of[ClusterCut::kMaxSize]{};
+    };
+    static constexpr float kParts = 64.0f;
+
+    std::uint32_t find_finest(const float3& position, const float3& normal) const noexcept;
+    void take_reports();
+    void rebuild_cuts(const LearnedLights& lights);
+    void make_cells(const LearnedLights& lights);
+    /// Adds a cell, without its cut; returns the one that it is part of, or kNone.
+    std::uint32_t add_cell(const MetCell& met);
+    std::size_t room() const noexcept;
+
+    LearningLimits limits_;
+    CellLattice lattice_;
+    CellTable table_;
+    std::vector<Cell> cells_;
+    std::vector<ClusterCut> cuts_;
+    std::vector<CutEvidence> evidence_;
+    std::unique_ptr<Fresh[]> fresh_;
+    std::unique_ptr<NewCells> new_cells_;  ///< null when learning has come to rest
+    std::atomic<bool> reported_{false};    ///< there were reports since the last round
+    std::uint32_t round_ = 0;              ///< rounds with reports so far
+    std::uint32_t published_ = 0;          ///< round in which the cells last changed
+};
+
+}  // namespace lightcull

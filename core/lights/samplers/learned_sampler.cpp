@@ -1,0 +1,274 @@
+#include <lightcull/error.h>
+#include <lightcull/sampler_info.h>
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/parallel_blocks.h"
+#include "base/refine.h"
+#include "lights/bvh/light_bvh_kernels.h"
+#include "lights/learning/cut_kernels.h"
+#include "lights/learning/learned_cells.h"
+#include "lights/samplers/culled_scene.h"
+#include "lights/samplers/make_samplers.h"
+
+namespace lightcull {
+namespace {
+
+/// A pass of `learned`. Where a cell has been made, the clusters of its cut are weighed at the
+/// point, and a light is found down the light BVH below the one that is chosen: the probability is
+/// exact, the same in every pass in which the cell is as it is, and above 0 wherever light may
+/// come from. Elsewhere `culled` chooses. Bit 31 of a receipt's key tells a cell from a set.
+class LearnedPass final : public LightSelector, public SamplerInfo {
+  public:
+    LearnedPass(std::shared_ptr<const LightSelector> fallback,
+                std::shared_ptr<const LearnedLights> lights, std::shared_ptr<LearnedCells> cells)
+        : fallback_(std::move(fallback)), lights_(std::move(lights)), cells_(std::move(cells)) {}
+
+    Selection select(const ShadingPoint& point, float u) const noexcept override {
+        const Receiver x = to_local(point);
+        const std::uint32_t cell = cells_->find(x);
+        if (cell == LearnedCells::kNone) return fallback_->select(point, u);
+        LightBvhDescent descent;
+        const Receipt receipt = start(cell, x, refine(u, point), descent);
+        light_bvh_kernels<MeansNode>().descend(lights_->bvh(), {&descent, 1});
+        return result(descent, receipt);
+    }
+
+    void select(Span<const ShadingPoint> points, Span<const float> u,
+                Span<Selection> selections) const override try {
+        std::vector<std::uint32_t> cells(points.size());
+        for_each_block(points.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) cells[i] = cells_->find(to_local(points[i]));
+        });
+        select_elsewhere(cells, points, u, selections);
+        for_each_block(points.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+            select_in_cells(cells, points, u, selections, begin, end);
+        });
+    } catch (const std::bad_alloc&) {
+        throw Error("select(): no memory for the cells of " + std::to_string(points.size()) +
+                    " points");
+    }
+
+    float prob(const ShadingPoint& point, const Receipt& receipt,
+               std::uint32_t light) const noexcept override {
+        if (!is_cell(receipt)) return fallback_->prob(point, receipt, light);
+        const LightBvhSlot slot = lights_->bvh().slots[light];
+        if (slot == LightBvh<MeansNode>::kNoSlot || !(receipt.weight_sum > 0.0f)) return 0.0f;
+        const Receiver x = to_local(point);
+        const ClusterCut& cut = cells_->cut(cell_of(receipt));
+        const std::uint32_t place = cut.place_of_leaf(lights_->leaves.first(slot));
+        const float weight = cut_kernels().weight_of(cut, place, x);
+        const double prob =
+            static_cast<double>(weight) / static_cast<double>(receipt.weight_sum);
+        return static_cast<float>(light_bvh_kernels<MeansNode>().prob_of_slot(
+            lights_->bvh(), x, slot, cut.slot[place], prob));
+    }
+
+    void report(Span<const LightOutcome> outcomes) const noexcept override {
+        for (const LightOutcome& outcome : outcomes) {
+            cells_->report(*lights_, outcome,
+                           is_cell(outcome.receipt) ? cell_of(outcome.receipt)
+                                                    : LearnedCells::kNone);
+        }
+    }
+
+    bool wants_reports() const noexcept override { return cells_->learning(); }
+
+    std::uint32_t set_count() const noexcept override { return fallback_->set_count(); }
+
+    SelectionCounts count(const ShadingPoint& point) const noexcept override {
+        const std::uint32_t cell = cells_->find(to_local(point));
+        if (cell == LearnedCells::kNone) return sampler_info(*fallback_)->count(point);
+        SelectionCounts counts;
+        const ClusterCut& cut = cells_->cut(cell);
+        counts.lights_tested = cut.size;
+        CutWeights weights;
+        cut_kernels().weigh(cut, to_local(point), weights);
+        for (std::uint32_t i = 0; i < cut.size; ++i) {
+            counts.accepted += weights.of[i] > 0.0f ? 1 : 0;
+        }
+        return counts;
+    }
+
+    std::size_t memory_size() const noexcept override {
+        return sampler_info(*fallback_)->memory_size() + lights_->leaves.memory_size() +
+               cells_->memory_size();
+    }
+
+  private:
+    static constexpr std::size_t kBlock = 16 * kMaxDescents;
+    static constexpr std::uint32_t kIsCell = 0x80000000u;
+
+    static bool is_cell(const Receipt& receipt) noexcept { return (receipt.key & kIsCell) != 0; }
+    static std::uint32_t cell_of(const Receipt& receipt) noexcept {
+        return receipt.key & ~kIsCell;
+    }
+    Receiver to_local(const ShadingPoint& point) const noexcept { return {lights_->frame, point}; }
+
+    /// Chooses a cluster of a cell, at which a descent starts.
+    Receipt start(std::uint32_t cell, const Receiver& x, double number,
+                  LightBvhDescent& descent) const noexcept {
+        const ClusterCut& cut = cells_->cut(cell);
+        CutWeights weights;
+        cut_kernels().weigh(cut, x, weights);
+        descent.receiver = x;
+        if (weights.total > 0.0f) {
+            const CutChoice choice = choose(weights, cut.size, number);
+            descent.place = choice.within;
+            descent.prob = static_cast<double>(weights.of[choice.place]) /
+                           static_cast<double>(weights.total);
+            descent.child = cut.child[choice.place];
+        } else {
+            descent.prob = 0.0;
+            descent.child = LightBvhNode::kLight;
+        }
+        return {weights.total, kIsCell | cell};
+    }
+
+    static Selection result(const LightBvhDescent& descent, const Receipt& receipt) noexcept {
+        if (!(descent.prob > 0.0)) return {0, 0.0f, 0.0f, receipt};
+        const auto prob = static_cast<float>(descent.prob);
+        return {descent.child & ~LightBvhNode::kLight, prob, prob, receipt};
+    }
+
+    void select_in_cells(const std::vector<std::uint32_t>& cells, Span<const ShadingPoint> points,
+                         Span<const float> u, Span<Selection> selections, std::size_t begin,
+                         std::size_t end) const noexcept {
+        while (begin < end) {
+            std::array<LightBvhDescent, kMaxDescents> descents;
+            std::array<Receipt, kMaxDescents> receipts;
+            std::array<std::size_t, kMaxDescents> indices;
+            std::size_t count = 0;
+            for (; begin < end && count < kMaxDescents; ++begin) {
+                if (cells[begin] == LearnedCells::kNone) continue;
+                indices[count] = begin;
+                receipts[count] = start(cells[begin], to_local(points[begin]),
+                                        refine(u[begin], points[begin]), descents[count]);
+                ++count;
+            }
+            light_bvh_kernels<MeansNode>().descend(lights_->bvh(), {descents.data(), count});
+            for (std::size_t i = 0; i < count; ++i) {
+                selections[indices[i]] = result(descents[i], receipts[i]);
+            }
+        }
+    }
+
+    /// Selects for the points that are in no cell.
+    void select_elsewhere(const std::vector<std::uint32_t>& cells, Span<const ShadingPoint> points,
+                          Span<const float> u, Span<Selection> selections) const {
+        const auto elsewhere = static_cast<std::size_t>(
+            std::count(cells.begin(), cells.end(), LearnedCells::kNone));
+        if (elsewhere == 0) return;
+        if (elsewhere == points.size()) {
+            fallback_->select(points, u, selections);
+            return;
+        }
+        std::vector<std::uint32_t> indices;
+        std::vector<ShadingPoint> some;
+        std::vector<float> numbers;
+        indices.reserve(elsewhere);
+        some.reserve(elsewhere);
+        numbers.reserve(elsewhere);
+        for (std::uint32_t i = 0; i < points.size(); ++i) {
+            if (cells[i] != LearnedCells::kNone) continue;
+            indices.push_back(i);
+            some.push_back(points[i]);
+            numbers.push_back(u[i]);
+        }
+        std::vector<Selection> chosen(elsewhere);
+        fallback_->select(some, numbers, chosen);
+        for (std::size_t i = 0; i < elsewhere; ++i) selections[indices[i]] = chosen[i];
+    }
+
+    std::shared_ptr<const LightSelector> fallback_;
+    std::shared_ptr<const LearnedLights> lights_;
+    std::shared_ptr<LearnedCells> cells_;
+};
+
+class LearnedSampler final : public LightSampler, public SamplerInfo {
+  public:
+    LearnedSampler(std::shared_ptr<CulledSamplerBase> culled, const LearningLimits& limits)
+        : culled_(std::move(culled)),
+          limits_(limits),
+          lights_(std::make_shared<const LearnedLights>(culled_->scene().frame, culled_->groups())),
+          cells_(std::make_shared<LearnedCells>(limits)) {
+        renew();
+    }
+
+    void begin_pass(std::uint64_t pass) override {
+        culled_->begin_pass(pass);
+        if (!cells_->due()) return;
+        current_.reset();
+        if (cells_.use_count() > 1) cells_ = std::make_shared<LearnedCells>(*cells_);
+        cells_->learn(*lights_);
+        renew();
+    }
+    std::unique_ptr<const LightSelector> pass(std::uint64_t number) const override {
+        return std::make_unique<LearnedPass>(culled_->pass(number), lights_, cells_);
+    }
+    LightUpdate update(Span<const Light> lights, float max_growth) override {
+        const LightUpdate result = culled_->update(lights, max_growth);
+        lights_ = std::make_shared<const LearnedLights>(culled_->scene().frame, culled_->groups());
+        current_.reset();
+        cells_ = result.rebuilt ? std::make_shared<LearnedCells>(limits_)
+                                : std::make_shared<LearnedCells>(*cells_);
+        cells_->refresh(*lights_);
+        renew();
+        return result;
+    }
+    void drop_reports() noexcept override { cells_->drop_reports(); }
+
+    using LightSampler::select;
+    Selection select(const ShadingPoint& point, float u) const noexcept override {
+        return current_->select(point, u);
+    }
+    void select(Span<const ShadingPoint> points, Span<const float> u,
+                Span<Selection> selections) const override {
+        current_->select(points, u, selections);
+    }
+    float prob(const ShadingPoint& point, const Receipt& receipt,
+               std::uint32_t light) const noexcept override {
+        return current_->prob(point, receipt, light);
+    }
+    void report(Span<const LightOutcome> outcomes) const noexcept override {
+        current_->report(outcomes);
+    }
+    bool wants_reports() const noexcept override { return cells_->learning(); }
+    std::uint32_t set_count() const noexcept override { return culled_->set_count(); }
+    SelectionCounts count(const ShadingPoint& point) const noexcept override {
+        return current_->count(point);
+    }
+    std::size_t memory_size() const noexcept override { return current_->memory_size(); }
+
+  private:
+    void renew() { current_ = std::make_unique<LearnedPass>(culled_, lights_, cells_); }
+
+    std::shared_ptr<CulledSamplerBase> culled_;
+    LearningLimits limits_;
+    std::shared_ptr<const LearnedLights> lights_;
+    std::shared_ptr<LearnedCells> cells_;
+    std::unique_ptr<const LearnedPass> current_;
+};
+
+}  // namespace
+
+std::unique_ptr<LightSampler> make_learned_sampler(const LearnedOptions& options,
+                                                   Span<const Light> lights,
+                                                   const SamplerContext& context) {
+    std::unique_ptr<LightSampler> culled = make_culled_sampler({}, lights, context);
+    auto* const base = dynamic_cast<CulledSamplerBase*>(culled.get());
+    if (base == nullptr) {
+        throw Error("learned: glossy points are among the lights, for which there is culled");
+    }
+    culled.release();
+    return std::make_unique<LearnedSampler>(
+        std::shared_ptr<CulledSamplerBase>(base),
+        LearningLimits{std::size_t{options.memory_mib} << 20, options.rounds});
+}
+
+}  // namespace lightcull
