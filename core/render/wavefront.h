@@ -62,8 +62,8 @@ class Wavefront {
     static constexpr std::size_t bytes_per_path() noexcept {
         return 2 * (sizeof(Path) + sizeof(Ray)) + sizeof(Hit) + sizeof(std::uint32_t) +
                sizeof(Surface) + sizeof(ShadingPoint) + sizeof(float) + sizeof(Selection) +
-               sizeof(Ray) + sizeof(Contribution) + sizeof(std::uint8_t) + sizeof(LightOutcome) + sizeof(V3f) +
-               sizeof(std::uint64_t);
+               sizeof(Ray) + sizeof(Contribution) + sizeof(std::uint8_t) + sizeof(LightOutcome) +
+               sizeof(V3f) + sizeof(std::uint64_t);
     }
 
   private:

@@ -18,6 +18,7 @@ SAMPLER is the way to choose a light for a point:
   power       in proportion to its power
   light_bvh   down a tree of clusters (Conty Estevez & Kulla 2018)
   culled      stochastic light culling, resampled: what this project is about
+  learned     culled, and what it learns from shadow rays of what is hidden
   paper       stochastic light culling as published (Tokuyoshi & Harada 2016)
   clamped     lights with a limited range: biased, for comparison
   exhaustive  weighs every light for every point: slow, the floor for error

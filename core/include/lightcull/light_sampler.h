@@ -60,12 +60,12 @@ struct Selection {
 
 /// What became of a light that was selected for a point: what a sampler may learn from.
 struct LightOutcome {
-    float3 position;         ///< ShadingPoint::position of the point
-    float3 normal;           ///< ShadingPoint::normal of the point
-    Receipt receipt;         ///< Selection::receipt
-    std::uint32_t light = 0; ///< Selection::light
-    float visibility = 0.0f; ///< share of the light's rays that arrived, [0, 1]: 0 where a shadow
-                             ///< ray was blocked, 1 or a transmittance where not
+    float3 position;          ///< ShadingPoint::position of the point
+    float3 normal;            ///< ShadingPoint::normal of the point
+    Receipt receipt;          ///< Selection::receipt
+    std::uint32_t light = 0;  ///< Selection::light
+    float visibility = 0.0f;  ///< share of the light's rays that arrived, [0, 1]: 0 where a shadow
+                              ///< ray was blocked, 1 or a transmittance where not
 };
 
 /// Chooses lights for shading points by random ranges that do not change: a pass of a LightSampler.

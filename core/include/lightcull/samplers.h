@@ -91,7 +91,7 @@ inline constexpr std::uint32_t kMaxSetCount = 4096;
 /// rays to them that arrived. Where no cell has been made, and for a host that never reports, it is
 /// `culled`. Passes are independent of one another once learning has come to rest.
 struct LearnedOptions {
-    std::uint32_t rounds = 256;     ///< passes begun after reports, until learning comes to rest; > 0
+    std::uint32_t rounds = 256;  ///< passes begun after reports, until learning comes to rest; > 0
     std::uint32_t memory_mib = 64;  ///< most memory of all cells, MiB, > 0
 };
 
@@ -114,15 +114,16 @@ struct ClampedOptions {
 };
 
 /// A sampler, named by the type of its options.
-using SamplerSpec = std::variant<CulledOptions, LearnedOptions, LightBvhOptions, UniformOptions, PowerOptions,
-                                 ExhaustiveOptions, ClampedOptions, PaperOptions>;
+using SamplerSpec = std::variant<CulledOptions, LearnedOptions, LightBvhOptions, UniformOptions,
+                                 PowerOptions, ExhaustiveOptions, ClampedOptions, PaperOptions>;
 
 /// A sampler by its description: a name, then options, as in "culled", "culled:sets=16",
 /// "paper:list=0:error_bound=auto", "clamped:error_bound=0.05". Names: uniform, power, light_bvh,
-/// exhaustive, clamped, culled, paper. Options: error_bound (a number or auto), accepted, exposure
-/// (culled, paper, clamped); sets (culled, paper); group (culled); test (vertex | light), weight (g
-/// | g_over_p), list (paper); importance (bounds | means; light_bvh). Throws Error for an unknown
-/// name or option, with the names there are, and for a value that make_sampler() would refuse.
+/// exhaustive, clamped, culled, learned, paper. Options: error_bound (a number or auto), accepted,
+/// exposure (culled, paper, clamped); sets (culled, paper); group (culled); rounds, memory
+/// (learned); test (vertex | light), weight (g | g_over_p), list (paper); importance (bounds |
+/// means; light_bvh). Throws Error for an unknown name or option, with the names there are, and for
+/// a value that make_sampler() would refuse.
 LIGHTCULL_EXPORT SamplerSpec parse_sampler(std::string_view description);
 
 /// Throws Error, with a message that names the option, if an option makes no sense. Every function

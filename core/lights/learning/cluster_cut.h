@@ -14,10 +14,10 @@ namespace lightcull {
 struct alignas(64) ClusterCut : ClusterMeans<64> {
     static constexpr std::uint32_t kMaxSize = 64;
 
-    float visible[kMaxSize];            ///< factor of a cluster's importance, (0, 1]
-    std::uint32_t first_leaf[kMaxSize]; ///< first leaf of a cluster (LeafOrder), ascending
-    LightBvhSlot slot[kMaxSize];        ///< slot of the tree that holds a cluster
-    std::uint32_t size = 0;             ///< number of clusters
+    float visible[kMaxSize];             ///< factor of a cluster's importance, (0, 1]
+    std::uint32_t first_leaf[kMaxSize];  ///< first leaf of a cluster (LeafOrder), ascending
+    LightBvhSlot slot[kMaxSize];         ///< slot of the tree that holds a cluster
+    std::uint32_t size = 0;              ///< number of clusters
 
     ClusterCut() noexcept { clear(); }
     void clear() noexcept;

@@ -45,7 +45,8 @@ LearnedCells::LearnedCells(const LearningLimits& limits)
     : limits_(limits),
       lattice_(kFirstSize),
       fresh_(nullptr),
-      new_cells_(std::make_unique<NewCells>()) {}
+      new_cells_(std::make_unique<NewCells>()) {
+}
 
 LearnedCells::LearnedCells(const LearnedCells& other)
     : limits_(other.limits_),

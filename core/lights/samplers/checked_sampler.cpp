@@ -92,7 +92,7 @@ struct Checks {
                std::uint32_t light) const {
         const char* fault = fault_of(point, inner.set_count());
         if (fault == nullptr && light >= light_count) fault = "there is no light of that index";
-        if (fault == nullptr && receipt.key >= inner.set_count()) {
+        if (fault == nullptr && (receipt.key >> 31) == 0 && receipt.key >= inner.set_count()) {
             fault = "the receipt is of another sampler";
         }
         if (!passes("prob()", fault, 0)) return 0.0f;
@@ -117,6 +117,10 @@ class CheckedPass final : public LightSelector {
         return checks_->prob(*inner_, point, receipt, light);
     }
     bool needs_receipt() const noexcept override { return inner_->needs_receipt(); }
+    void report(Span<const LightOutcome> outcomes) const noexcept override {
+        inner_->report(outcomes);
+    }
+    bool wants_reports() const noexcept override { return inner_->wants_reports(); }
     std::uint32_t set_count() const noexcept override { return inner_->set_count(); }
 
   private:
@@ -156,6 +160,11 @@ class CheckedSampler final : public LightSampler {
         return has_begun("prob()") ? checks_->prob(*inner_, point, receipt, light) : 0.0f;
     }
     bool needs_receipt() const noexcept override { return inner_->needs_receipt(); }
+    void report(Span<const LightOutcome> outcomes) const noexcept override {
+        inner_->report(outcomes);
+    }
+    void drop_reports() noexcept override { inner_->drop_reports(); }
+    bool wants_reports() const noexcept override { return inner_->wants_reports(); }
     std::uint32_t set_count() const noexcept override { return inner_->set_count(); }
 
   private:

@@ -63,17 +63,16 @@ class LearnedPass final : public LightSelector, public SamplerInfo {
         const ClusterCut& cut = cells_->cut(cell_of(receipt));
         const std::uint32_t place = cut.place_of_leaf(lights_->leaves.first(slot));
         const float weight = cut_kernels().weight_of(cut, place, x);
-        const double prob =
-            static_cast<double>(weight) / static_cast<double>(receipt.weight_sum);
+        const double prob = static_cast<double>(weight) / static_cast<double>(receipt.weight_sum);
         return static_cast<float>(light_bvh_kernels<MeansNode>().prob_of_slot(
             lights_->bvh(), x, slot, cut.slot[place], prob));
     }
 
     void report(Span<const LightOutcome> outcomes) const noexcept override {
         for (const LightOutcome& outcome : outcomes) {
-            cells_->report(*lights_, outcome,
-                           is_cell(outcome.receipt) ? cell_of(outcome.receipt)
-                                                    : LearnedCells::kNone);
+            cells_->report(
+                *lights_, outcome,
+                is_cell(outcome.receipt) ? cell_of(outcome.receipt) : LearnedCells::kNone);
         }
     }
 
@@ -105,9 +104,7 @@ class LearnedPass final : public LightSelector, public SamplerInfo {
     static constexpr std::uint32_t kIsCell = 0x80000000u;
 
     static bool is_cell(const Receipt& receipt) noexcept { return (receipt.key & kIsCell) != 0; }
-    static std::uint32_t cell_of(const Receipt& receipt) noexcept {
-        return receipt.key & ~kIsCell;
-    }
+    static std::uint32_t cell_of(const Receipt& receipt) noexcept { return receipt.key & ~kIsCell; }
     Receiver to_local(const ShadingPoint& point) const noexcept { return {lights_->frame, point}; }
 
     /// Chooses a cluster of a cell, at which a descent starts.
@@ -120,8 +117,8 @@ class LearnedPass final : public LightSelector, public SamplerInfo {
         if (weights.total > 0.0f) {
             const CutChoice choice = choose(weights, cut.size, number);
             descent.place = choice.within;
-            descent.prob = static_cast<double>(weights.of[choice.place]) /
-                           static_cast<double>(weights.total);
+            descent.prob =
+                static_cast<double>(weights.of[choice.place]) / static_cast<double>(weights.total);
             descent.child = cut.child[choice.place];
         } else {
             descent.prob = 0.0;
@@ -161,8 +158,8 @@ class LearnedPass final : public LightSelector, public SamplerInfo {
     /// Selects for the points that are in no cell.
     void select_elsewhere(const std::vector<std::uint32_t>& cells, Span<const ShadingPoint> points,
                           Span<const float> u, Span<Selection> selections) const {
-        const auto elsewhere = static_cast<std::size_t>(
-            std::count(cells.begin(), cells.end(), LearnedCells::kNone));
+        const auto elsewhere =
+            static_cast<std::size_t>(std::count(cells.begin(), cells.end(), LearnedCells::kNone));
         if (elsewhere == 0) return;
         if (elsewhere == points.size()) {
             fallback_->select(points, u, selections);

@@ -1,0 +1,230 @@
+#include <lightcull/light_sampler.h>
+#include <lightcull/samplers.h>
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "base/random.h"
+
+namespace lightcull {
+namespace {
+
+/// Lamps under a ceiling, of which a wall at x = 0 hides those on the other side.
+std::vector<Light> lamps() {
+    std::vector<Light> lights;
+    RandomStream random(7);
+    for (int i = 0; i < 600; ++i) {
+        const float3 at{8.0f * random.next() - 4.0f, 3.0f, 8.0f * random.next() - 4.0f};
+        lights.push_back(point_light(at, 0.1f + random.next()));
+    }
+    return lights;
+}
+
+std::vector<ShadingPoint> floor_points(std::size_t count) {
+    std::vector<ShadingPoint> points(count);
+    RandomStream random(11);
+    for (ShadingPoint& point : points) {
+        point.position = {8.0f * random.next() - 4.0f, 0.0f, 8.0f * random.next() - 4.0f};
+        point.normal = {0, 1, 0};
+    }
+    return points;
+}
+
+bool visible(const ShadingPoint& point, const Light& light) {
+    return (point.position.x < 0.0f) == (light.center.x < 0.0f);
+}
+
+/// What the light gives the point but for visibility.
+double given(const ShadingPoint& point, const Light& light) {
+    const double x = double{light.center.x} - double{point.position.x};
+    const double y = double{light.center.y} - double{point.position.y};
+    const double z = double{light.center.z} - double{point.position.z};
+    const double d2 = x * x + y * y + z * z;
+    return double{light.intensity} * y / (d2 * std::sqrt(d2));
+}
+
+std::vector<float> numbers(std::size_t count, std::uint64_t key) {
+    std::vector<float> u(count);
+    RandomStream random(key);
+    for (float& number : u) number = random.next();
+    return u;
+}
+
+/// Selects at the points and reports, `passes` times; truthful: false reports that what is visible
+/// is hidden, and the other way round. Reports are in the order of the points or against it.
+void teach(LightSampler& sampler, const std::vector<Light>& lights,
+           const std::vector<ShadingPoint>& points, std::uint64_t passes, bool truthful = true,
+           bool backwards = false) {
+    std::vector<Selection> selections(points.size());
+    for (std::uint64_t pass = 0; pass < passes; ++pass) {
+        sampler.begin_pass(pass);
+        sampler.select(points, numbers(points.size(), pass), selections);
+        std::vector<LightOutcome> outcomes;
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            if (!(selections[i].prob > 0.0f)) continue;
+            const bool seen = visible(points[i], lights[selections[i].light]) == truthful;
+            outcomes.push_back({points[i].position, points[i].normal, selections[i].receipt,
+                                selections[i].light, seen ? 1.0f : 0.0f});
+        }
+        if (backwards) std::reverse(outcomes.begin(), outcomes.end());
+        sampler.report(outcomes);
+    }
+    sampler.begin_pass(passes);
+}
+
+/// The mean and its variance of one-sample estimates of all that the points are given.
+struct Estimate {
+    double mean, variance_of_mean, relative_variance;
+};
+Estimate estimate(const LightSampler& sampler, const std::vector<Light>& lights,
+                  const std::vector<ShadingPoint>& points, int rounds) {
+    double sum = 0.0, squares = 0.0;
+    std::vector<Selection> selections(points.size());
+    for (int round = 0; round < rounds; ++round) {
+        sampler.select(points, numbers(points.size(), 1000 + static_cast<std::uint64_t>(round)),
+                       selections);
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            if (!(selections[i].prob > 0.0f)) continue;
+            const Light& light = lights[selections[i].light];
+            if (!visible(points[i], light)) continue;
+            const double value = given(points[i], light) / double{selections[i].prob};
+            sum += value;
+            squares += value * value;
+        }
+    }
+    const double count = static_cast<double>(points.size()) * rounds;
+    const double mean = sum / count, variance = squares / count - mean * mean;
+    return {mean, variance / count, variance / (mean * mean)};
+}
+
+double truth(const std::vector<Light>& lights, const std::vector<ShadingPoint>& points) {
+    double sum = 0.0;
+    for (const ShadingPoint& point : points) {
+        for (const Light& light : lights) {
+            if (visible(point, light)) sum += given(point, light);
+        }
+    }
+    return sum / static_cast<double>(points.size());
+}
+
+}  // namespace
+
+TEST_CASE("learned without reports is culled, to the bit") {
+    const std::vector<Light> lights = lamps();
+    const std::vector<ShadingPoint> points = floor_points(500);
+    const auto learned = make_sampler("learned", lights), culled = make_sampler("culled", lights);
+    const std::vector<float> u = numbers(points.size(), 3);
+    for (std::uint64_t pass = 0; pass < 3; ++pass) {
+        learned->begin_pass(pass);
+        culled->begin_pass(pass);
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            const Selection a = learned->select(points[i], u[i]);
+            const Selection b = culled->select(points[i], u[i]);
+            REQUIRE(a.light == b.light);
+            REQUIRE(a.prob == b.prob);
+        }
+    }
+}
+
+TEST_CASE("learned is unbiased for what it was told, true or not") {
+    // One-sample estimates of a mean; 4 sigma: a false alarm in 16,000.
+    const std::vector<Light> lights = lamps();
+    const std::vector<ShadingPoint> points = floor_points(4000);
+    const double wanted = truth(lights, points);
+    const auto untaught = make_sampler("light_bvh:importance=means", lights);
+    const double before = estimate(*untaught, lights, points, 10).relative_variance;
+    for (const bool truthful : {true, false}) {
+        CAPTURE(truthful);
+        const auto sampler = make_sampler("learned", lights);
+        teach(*sampler, lights, points, 24, truthful);
+        const Estimate e = estimate(*sampler, lights, points, 50);
+        CHECK(std::abs(e.mean - wanted) < 4.0 * std::sqrt(e.variance_of_mean));
+        if (truthful) CHECK(e.relative_variance < 0.8 * before);
+        // The twin: a probability that is off by a tenth is seen.
+        CHECK_FALSE(std::abs(1.1 * e.mean - wanted) < 4.0 * std::sqrt(e.variance_of_mean));
+    }
+}
+
+TEST_CASE("learned: probabilities of a receipt are those of select, and sum to 1") {
+    const std::vector<Light> lights = lamps();
+    const std::vector<ShadingPoint> points = floor_points(2000);
+    const auto sampler = make_sampler("learned", lights);
+    teach(*sampler, lights, points, 12);
+    std::size_t taught = 0;
+    for (std::size_t i = 0; i < 100; ++i) {
+        const Selection s = sampler->select(points[i], 0.37f);
+        if ((s.receipt.key >> 31) == 0) continue;
+        ++taught;
+        CHECK(sampler->prob(points[i], s.receipt, s.light) == doctest::Approx(s.prob));
+        double sum = 0.0;
+        for (std::uint32_t light = 0; light < lights.size(); ++light) {
+            sum += double{sampler->prob(points[i], s.receipt, light)};
+        }
+        CHECK(sum == doctest::Approx(1.0).epsilon(1e-4));
+    }
+    CHECK(taught > 90);
+}
+
+TEST_CASE("learned: the order of reports, and one point at a time or many, change no bit") {
+    const std::vector<Light> lights = lamps();
+    const std::vector<ShadingPoint> points = floor_points(2000);
+    const auto a = make_sampler("learned", lights), b = make_sampler("learned", lights);
+    teach(*a, lights, points, 12);
+    teach(*b, lights, points, 12, true, true);
+    const std::vector<float> u = numbers(points.size(), 5);
+    std::vector<Selection> many(points.size());
+    b->select(points, u, many);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const Selection one = a->select(points[i], u[i]);
+        REQUIRE(one.light == many[i].light);
+        REQUIRE(one.prob == many[i].prob);
+    }
+}
+
+TEST_CASE("learned: reports that make no sense, or are dropped, change nothing") {
+    const std::vector<Light> lights = lamps();
+    const std::vector<ShadingPoint> points = floor_points(1000);
+    const auto a = make_sampler("learned", lights), b = make_sampler("learned", lights);
+    teach(*a, lights, points, 6);
+    teach(*b, lights, points, 6);
+    const float nan = std::numeric_limits<float>::quiet_NaN();
+    const LightOutcome wrong[] = {
+        {{0, 0, 0}, {0, 1, 0}, {1.0f, 0}, 600, 1.0f},
+        {{0, 0, 0}, {0, 1, 0}, {1.0f, 0}, 1, nan},
+        {{0, 0, 0}, {0, 1, 0}, {1.0f, 0}, 1, 1.5f},
+        {{nan, 0, 0}, {0, 1, 0}, {1.0f, 0}, 1, 1.0f},
+        {{0, 0, 0}, {0, 1, 0}, {1.0f, 0xffffffffu}, 1, 1.0f},
+    };
+    b->report({wrong, 5});
+    const Selection s = b->select(points[0], 0.5f);
+    const LightOutcome dropped{points[0].position, points[0].normal, s.receipt, s.light, 0.0f};
+    b->report({&dropped, 1});
+    b->drop_reports();
+    a->begin_pass(7);
+    b->begin_pass(7);
+    for (const ShadingPoint& point : points) {
+        const Selection x = a->select(point, 0.5f), y = b->select(point, 0.5f);
+        REQUIRE(x.light == y.light);
+        REQUIRE(x.prob == y.prob);
+    }
+}
+
+TEST_CASE("learned comes to rest after its rounds") {
+    const std::vector<Light> lights = lamps();
+    const std::vector<ShadingPoint> points = floor_points(500);
+    const auto sampler = make_sampler("learned:rounds=4", lights);
+    CHECK(sampler->wants_reports());
+    teach(*sampler, lights, points, 4);
+    CHECK_FALSE(sampler->wants_reports());
+    const Selection before = sampler->select(points[0], 0.5f);
+    teach(*sampler, lights, points, 4, false);
+    const Selection after = sampler->select(points[0], 0.5f);
+    CHECK(before.light == after.light);
+    CHECK(before.prob == after.prob);
+}
+
+}  // namespace lightcull
