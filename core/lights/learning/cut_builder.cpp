@@ -1,7 +1,6 @@
 #include "lights/learning/cut_builder.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <unordered_map>
 #include <vector>
@@ -42,9 +41,8 @@ class KnownEvidence {
     /// What is known of a slot; below the cut, what the slot above hands down.
     Evidence of(LightBvhSlot slot, const Evidence& above) const {
         if (const auto found = by_slot_.find(slot); found != by_slot_.end()) return found->second;
-        constexpr float kHandedDown = 6.0f;
-        const float share = above.tries > kHandedDown ? kHandedDown / above.tries : 1.0f;
-        return {above.tries * share, above.hits * share};
+        constexpr float kRays = 6.0f;
+        return above.at_most(kRays);
     }
 
   private:

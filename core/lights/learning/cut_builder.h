@@ -21,6 +21,11 @@ struct CutPlace {
 /// of a ray; what is handed down to a part of a cluster counts for less.
 struct Evidence {
     float tries = 0.0f, hits = 0.0f;
+
+    /// The same share of hits, from no more than `rays` tries.
+    Evidence at_most(float rays) const noexcept {
+        return tries > rays ? Evidence{rays, hits * (rays / tries)} : *this;
+    }
 };
 
 /// The evidence of each cluster of a cut.

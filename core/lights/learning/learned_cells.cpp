@@ -1,8 +1,6 @@
 #include "lights/learning/learned_cells.h"
 
 #include <algorithm>
-#include <cmath>
-#include <utility>
 
 #include "base/float3_math.h"
 #include "base/memory_size.h"
@@ -31,11 +29,7 @@ void keep_most_met(std::vector<MetCell>& cells, std::size_t most) {
 /// What a cell's evidence says of a part of it: as much as a few rays.
 CutEvidence handed_down(CutEvidence evidence) noexcept {
     constexpr float kRays = 16.0f;
-    for (Evidence& known : evidence.of) {
-        if (!(known.tries > kRays)) continue;
-        known.hits *= kRays / known.tries;
-        known.tries = kRays;
-    }
+    for (Evidence& known : evidence.of) known = known.at_most(kRays);
     return evidence;
 }
 
@@ -131,11 +125,11 @@ bool LearnedCells::due() const noexcept {
 void LearnedCells::learn(const LearnedLights& lights) {
     if (!reported_ || new_cells_ == nullptr) return;
     ++round_;
-    // Cuts change after half as many rounds again: what is learned of a cut is of use only if the
-    // cut stays for a while.
     take_reports();
     reported_ = false;
     const bool last = round_ >= limits_.rounds;
+    // Cuts change after half as many rounds again: what is learned of a cut is of use only if the
+    // cut stays for a while.
     if (round_ >= published_ + std::max(1u, published_ / 2) || last) {
         rebuild_cuts(lights);
         published_ = round_;
@@ -192,6 +186,7 @@ void LearnedCells::make_cells(const LearnedLights& lights) {
     std::vector<MetCell> met = new_cells_->cells();
     new_cells_->clear();
     keep_most_met(met, room());
+    if (met.empty()) return;
     const std::size_t first = cells_.size();
     std::vector<std::uint32_t> parents;
     for (const MetCell& cell : met) parents.push_back(add_cell(cell));
@@ -241,7 +236,8 @@ void LearnedCells::refresh(const LearnedLights& lights) noexcept {
 
 std::size_t LearnedCells::memory_size() const noexcept {
     return table_.memory_size() + size_of(cells_) + size_of(cuts_) + size_of(evidence_) +
-           (fresh_ ? cells_.size() * sizeof(Fresh) : 0) + (new_cells_ ? sizeof(NewCells) : 0);
+           (fresh_ ? cells_.size() * sizeof(Fresh) : 0) +
+           (new_cells_ ? NewCells::memory_size() : 0);
 }
 
 }  // namespace lightcull

@@ -42,8 +42,8 @@ struct LearningLimits {
 ///
 /// Cells are made where points were met, and divided where many are. New ones take over what the
 /// cell knows that they are part of. When memory is full, no more are made, and those there are go
-/// on learning; where points lie in more places than can be counted, all begins anew with cells of
-/// twice the size.
+/// on learning. Where points lie in more places than can be counted before there is any cell, cells
+/// are to be of twice the size.
 class LearnedCells {
   public:
     static constexpr std::uint32_t kNone = CellTable::kNone;

@@ -43,6 +43,8 @@ class NewCells {
     void restore(const std::vector<MetCell>& cells) noexcept;
     void clear() noexcept;
 
+    static std::size_t memory_size() noexcept { return kSlots * sizeof(Entry); }
+
   private:
     static constexpr std::uint32_t kSlots = 2 * kCapacity;
     static constexpr CellKey kEmpty = ~CellKey{0};
