@@ -10,8 +10,8 @@ namespace lightcull {
 /// A cut through a light BVH: clusters that together hold each lit light once, in the order of the
 /// tree's leaves, each with what a place sees of it. The places after the last cluster are empty
 /// ones, of importance 0.
-struct alignas(64) ClusterCut : ClusterMeans<64> {
-    static constexpr std::uint32_t kMaxSize = 64;
+struct alignas(64) ClusterCut : ClusterMeans<128> {
+    static constexpr std::uint32_t kMaxSize = 128;
 
     float visible[kMaxSize];             ///< factor of a cluster's importance, (0, 1]
     std::uint32_t first_leaf[kMaxSize];  ///< first leaf of a cluster (LeafOrder), ascending
@@ -25,13 +25,16 @@ struct alignas(64) ClusterCut : ClusterMeans<64> {
     std::uint32_t place_of_leaf(std::uint32_t leaf) const noexcept;
 };
 
-/// The weights of the clusters of a cut at a receiver: importance by `visible`.
+/// The weights of the clusters of a cut at a receiver: importance by `visible`; and their sums.
 struct alignas(64) CutWeights {
-    static constexpr std::size_t kStride = 16;
+    static constexpr std::uint32_t kStride = 16;
 
     float of[ClusterCut::kMaxSize];  ///< weights, by place in the cut
-    float sums[kStride];             ///< sum over every kStride-th place, from each of the first on
-    float total;
+    /// At first the sums over every kStride-th place, from each of the first on; then, in turn, as
+    /// many sums of the i-th of these and the i-th of their second half, to the last, of all.
+    float sums[2 * kStride];
+
+    float total() const noexcept { return sums[2 * kStride - 2]; }
 };
 
 /// A cluster that was chosen out of a cut.
@@ -40,7 +43,8 @@ struct CutChoice {
     double within;        ///< place in the cluster's share where the choice fell, [0, 1)
 };
 
-/// Chooses a cluster in proportion to its weight, by a number in [0, 1). total must not be 0.
+/// Chooses a cluster in proportion to its weight, by a number in [0, 1). Their total
+/// must not be 0.
 CutChoice choose(const CutWeights& weights, std::uint32_t size, double number) noexcept;
 
 }  // namespace lightcull

@@ -38,11 +38,12 @@ class KnownEvidence {
         }
     }
 
-    /// What is known of a slot; below the cut, what the slot above hands down.
-    Evidence of(LightBvhSlot slot, const Evidence& above) const {
+    /// What is known of a slot; below the cut, what the slot above hands down to a part of it that
+    /// has a share of its rays.
+    Evidence of(LightBvhSlot slot, const Evidence& above, float share) const {
         if (const auto found = by_slot_.find(slot); found != by_slot_.end()) return found->second;
         constexpr float kRays = 6.0f;
-        return above.at_most(kRays);
+        return handed_down(above, share, kRays);
     }
 
   private:
@@ -97,10 +98,12 @@ class CutBuilder {
         const MeansNode& node = bvh_.nodes[n];
         LightBvhImportances g;
         light_bvh_kernels<MeansNode>().importances(softened(node, place_.radius), receiver_, g.of);
+        float g_sum = 0.0f;
+        for (const float weight : g.of) g_sum += weight;
         for (std::uint32_t i = 0; i < kWidth; ++i) {
             if (node.child[i] == LightBvhNode::kEmpty) continue;
             const LightBvhSlot slot = n * kWidth + i;
-            const Evidence evidence = known_.of(slot, above);
+            const Evidence evidence = known_.of(slot, above, g_sum > 0 ? g.of[i] / g_sum : 0.0f);
             const float factor = visible_factor(evidence), weight = g.of[i] * factor;
             weight_sum_ += weight;
             const bool is_light = (node.child[i] & LightBvhNode::kLight) != 0;
@@ -127,6 +130,11 @@ class CutBuilder {
 };
 
 }  // namespace
+
+Evidence handed_down(const Evidence& evidence, float share, float rays) noexcept {
+    const float hidden = std::max(0.0f, evidence.tries - 8.0f * evidence.hits);
+    return evidence.at_most(std::max(rays, share * hidden));
+}
 
 float visible_factor(const Evidence& evidence) noexcept {
     // Rays that arrived, as a part of one, before the first was traced.

@@ -28,6 +28,10 @@ struct Evidence {
     }
 };
 
+/// What is known of a whole says as much of a part of it as `rays` rays; where almost all is
+/// hidden, as much as the rays that went there, a share of them.
+Evidence handed_down(const Evidence& evidence, float share, float rays) noexcept;
+
 /// The evidence of each cluster of a cut.
 struct CutEvidence {
     Evidence of[ClusterCut::kMaxSize];

@@ -46,12 +46,13 @@ HWY_ATTR inline void weigh(const ClusterCut& cut, const Receiver& receiver, CutW
         }
         hn::Store(sum, d, weights.sums + column);
     }
-    float sums[kStride];
-    for (std::size_t i = 0; i < kStride; ++i) sums[i] = weights.sums[i];
+    const float* from = weights.sums;
+    float* to = weights.sums + kStride;
     for (std::size_t half = kStride / 2; half > 0; half /= 2) {
-        for (std::size_t i = 0; i < half; ++i) sums[i] += sums[i + half];
+        for (std::size_t i = 0; i < half; ++i) to[i] = from[i] + from[i + half];
+        from = to;
+        to += half;
     }
-    weights.total = sums[0];
 }
 
 HWY_ATTR inline float weight_of(const ClusterCut& cut, std::uint32_t place,

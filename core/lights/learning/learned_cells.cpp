@@ -10,9 +10,11 @@ namespace lightcull {
 namespace {
 
 /// The edge of the first cells; the lights' bounds are two units wide.
-constexpr float kFirstSize = 0x1p-4f;
+constexpr float kFirstSize = 0x1p-2f;
 /// A cell that this many points are met in, per round, is divided.
 constexpr std::uint32_t kCrowd = 200;
+/// No more cells than these are made: points are sorted by theirs in 20 bits.
+constexpr std::size_t kMostCells = (std::size_t{1} << 20) - 1;
 /// Cells are worked on in blocks of this many.
 constexpr std::size_t kBlock = 16;
 
@@ -28,8 +30,8 @@ void keep_most_met(std::vector<MetCell>& cells, std::size_t most) {
 
 /// What a cell's evidence says of a part of it: as much as a few rays.
 CutEvidence handed_down(CutEvidence evidence) noexcept {
-    constexpr float kRays = 16.0f;
-    for (Evidence& known : evidence.of) known = known.at_most(kRays);
+    constexpr float kRays = 16.0f, kShare = 0.25f;
+    for (Evidence& known : evidence.of) known = handed_down(known, kShare, kRays);
     return evidence;
 }
 
@@ -45,16 +47,16 @@ LearnedCells::LearnedCells(const LearningLimits& limits)
 LearnedCells::LearnedCells(const LearnedCells& other)
     : limits_(other.limits_),
       lattice_(other.lattice_),
-      table_(other.table_),
-      cells_(other.cells_),
+      tree_(other.tree_),
+      places_(other.places_),
       cuts_(other.cuts_),
       evidence_(other.evidence_),
-      fresh_(other.fresh_ ? new Fresh[other.cells_.size()] : nullptr),
+      fresh_(other.fresh_ ? new Fresh[other.size()] : nullptr),
       new_cells_(other.new_cells_ ? std::make_unique<NewCells>() : nullptr),
       reported_(other.reported_.load()),
       round_(other.round_),
       published_(other.published_) {
-    for (std::size_t i = 0; fresh_ && i < cells_.size(); ++i) {
+    for (std::size_t i = 0; fresh_ && i < size(); ++i) {
         for (std::size_t k = 0; k < ClusterCut::kMaxSize; ++k) {
             fresh_[i].of[k] = other.fresh_[i].of[k].load(std::memory_order_relaxed);
         }
@@ -62,24 +64,11 @@ LearnedCells::LearnedCells(const LearnedCells& other)
     if (new_cells_) new_cells_->restore(other.new_cells_->cells());
 }
 
-std::uint32_t LearnedCells::find_finest(const float3& position,
-                                        const float3& normal) const noexcept {
-    std::uint32_t cell = table_.find(lattice_.key(position, normal, 0));
-    for (std::uint32_t level = 1; cell != kNone && cells_[cell].divided; ++level) {
-        const std::uint32_t finer = table_.find(lattice_.key(position, normal, level));
-        if (finer == kNone) break;
-        cell = finer;
-    }
-    return cell;
-}
-
 std::uint32_t LearnedCells::find(const Receiver& receiver) const noexcept {
-    if (cells_.empty()) return kNone;
-    const float3 x = receiver.position, n = receiver.normal;
-    const std::uint32_t cell = find_finest(x, n);
+    const CellPlace place = lattice_.place(receiver.position, receiver.normal);
+    const std::uint32_t cell = tree_.find(place);
     if (cell == kNone) return kNone;
-    const std::uint32_t level = CellLattice::level_of(cells_[cell].key);
-    const std::uint32_t near = find_finest(lattice_.jittered(x, n, level), n);
+    const std::uint32_t near = tree_.find(jittered(place, tree_.level(cell), receiver.position));
     return near == kNone ? cell : near;
 }
 
@@ -95,23 +84,24 @@ void LearnedCells::report(const LearnedLights& lights, const LightOutcome& outco
     if (!reported_.load(std::memory_order_relaxed)) {
         reported_.store(true, std::memory_order_relaxed);
     }
-    std::uint32_t level = 0;
     if (cell != kNone) {
         const std::uint32_t leaf = lights.leaves.first(lights.bvh().slots[outcome.light]);
         const std::uint32_t place = cuts_[cell].place_of_leaf(leaf);
         const auto hits = static_cast<std::uint64_t>(outcome.visibility * kParts + 0.5f);
         fresh_[cell].of[place].fetch_add((hits << 32) + 1, std::memory_order_relaxed);
-        if (!cells_[cell].divided) return;
-        level = CellLattice::level_of(cells_[cell].key) + 1;
+        if (!tree_.is_divided(cell)) return;
     }
     const float3 x = lights.frame.position(outcome.position);
-    const CellKey key = lattice_.key(x, outcome.normal, level);
-    if (table_.find(key) == kNone) new_cells_->add(lattice_, key, x, outcome.normal);
+    const CellPlace place = lattice_.place(x, outcome.normal);
+    const std::uint32_t found = tree_.find(place);
+    if (found != kNone && !tree_.is_divided(found)) return;
+    const std::uint32_t level = found == kNone ? 0 : tree_.level(found) + 1;
+    new_cells_->add(lattice_, CellLattice::key(place, level), x, outcome.normal);
 }
 
 void LearnedCells::drop_reports() noexcept {
     if (!reported_) return;
-    for (std::size_t i = 0; i < cells_.size(); ++i) {
+    for (std::size_t i = 0; i < size(); ++i) {
         for (auto& number : fresh_[i].of) number.store(0, std::memory_order_relaxed);
     }
     if (new_cells_) new_cells_->clear();
@@ -143,7 +133,8 @@ void LearnedCells::learn(const LearnedLights& lights) {
 }
 
 void LearnedCells::take_reports() {
-    for_each_block(cells_.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+    std::vector<std::uint8_t> crowded(size());
+    for_each_block(size(), kBlock, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             std::uint64_t count = 0;
             for (std::uint32_t k = 0; k < cuts_[i].size; ++k) {
@@ -155,43 +146,49 @@ void LearnedCells::take_reports() {
                 evidence_[i].of[k].hits += static_cast<float>(fresh >> 32) / kParts;
                 count += tries;
             }
-            const bool finest = CellLattice::level_of(cells_[i].key) == CellLattice::kMaxLevel;
-            if (count > kCrowd && !finest) cells_[i].divided = true;
+            crowded[i] = count > kCrowd ? 1 : 0;
         }
     });
+    for (std::uint32_t i = 0; i < size(); ++i) {
+        if (crowded[i] != 0) divide(i);
+    }
+}
+
+void LearnedCells::divide(std::uint32_t cell) {
+    if (tree_.level(cell) < CellLattice::kFinest) tree_.divide(cell);
 }
 
 void LearnedCells::rebuild_cuts(const LearnedLights& lights) {
-    for_each_block(cells_.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+    for_each_block(size(), kBlock, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
-            rebuild_cut(lights.bvh(), lights.leaves, cells_[i].place, cuts_[i], evidence_[i]);
+            rebuild_cut(lights.bvh(), lights.leaves, places_[i], cuts_[i], evidence_[i]);
         }
     });
 }
 
 std::size_t LearnedCells::room() const noexcept {
     constexpr std::size_t kPerCell =
-        sizeof(Cell) + sizeof(ClusterCut) + sizeof(CutEvidence) + sizeof(Fresh) + 4 * 16;
-    const std::size_t most = limits_.memory / kPerCell;
-    return most > cells_.size() ? most - cells_.size() : 0;
+        sizeof(CutPlace) + sizeof(ClusterCut) + sizeof(CutEvidence) + sizeof(Fresh) + 128;
+    const std::size_t most = std::min<std::size_t>(limits_.memory / kPerCell, kMostCells);
+    return most > size() ? most - size() : 0;
 }
 
 void LearnedCells::make_cells(const LearnedLights& lights) {
     if (new_cells_->empty()) return;
     if (new_cells_->full()) {
         new_cells_->clear();
-        if (cells_.empty()) lattice_ = CellLattice(2.0f * lattice_.size(0));
+        if (size() == 0) lattice_ = CellLattice(2.0f * lattice_.edge(0));
         return;
     }
     std::vector<MetCell> met = new_cells_->cells();
     new_cells_->clear();
     keep_most_met(met, room());
     if (met.empty()) return;
-    const std::size_t first = cells_.size();
+    const std::size_t first = size();
     std::vector<std::uint32_t> parents;
     for (const MetCell& cell : met) parents.push_back(add_cell(cell));
-    cuts_.resize(cells_.size());
-    evidence_.resize(cells_.size());
+    cuts_.resize(size());
+    evidence_.resize(size());
     for_each_block(met.size(), kBlock, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             const std::size_t cell = first + i;
@@ -199,14 +196,10 @@ void LearnedCells::make_cells(const LearnedLights& lights) {
                 cuts_[cell] = cuts_[parents[i]];
                 evidence_[cell] = handed_down(evidence_[parents[i]]);
             }
-            rebuild_cut(lights.bvh(), lights.leaves, cells_[cell].place, cuts_[cell],
-                        evidence_[cell]);
+            rebuild_cut(lights.bvh(), lights.leaves, places_[cell], cuts_[cell], evidence_[cell]);
         }
     });
-    std::vector<CellKey> keys;
-    for (const Cell& cell : cells_) keys.push_back(cell.key);
-    table_ = CellTable(keys);
-    fresh_.reset(new Fresh[cells_.size()]);
+    fresh_.reset(new Fresh[size()]);
 }
 
 std::uint32_t LearnedCells::add_cell(const MetCell& met) {
@@ -217,7 +210,7 @@ std::uint32_t LearnedCells::add_cell(const MetCell& met) {
                       static_cast<float>(sums[2])} *
                scale;
     };
-    const float edge = lattice_.size(level);
+    const float edge = lattice_.edge(level);
     const float3 position = lattice_.corner(met.key) + mean(met.offset) * edge;
     const float3 mean_normal = mean(met.normal);
     // Where normals differ, light may come from anywhere.
@@ -225,8 +218,10 @@ std::uint32_t LearnedCells::add_cell(const MetCell& met) {
     const float long_enough = length(mean_normal);
     const float3 normal =
         long_enough > kAlike ? mean_normal * (1.0f / long_enough) : float3{0, 0, 0};
-    const std::uint32_t parent = level == 0 ? kNone : find_finest(position, mean_normal);
-    cells_.push_back({met.key, {position, normal, 0.5f * edge}, met.count > kCrowd});
+    const std::uint32_t parent = level == 0 ? kNone : tree_.parent_of(met.key);
+    const std::uint32_t cell = tree_.add(met.key);
+    places_.push_back({position, normal, 0.5f * edge});
+    if (met.count > kCrowd) divide(cell);
     return parent;
 }
 
@@ -235,9 +230,8 @@ void LearnedCells::refresh(const LearnedLights& lights) noexcept {
 }
 
 std::size_t LearnedCells::memory_size() const noexcept {
-    return table_.memory_size() + size_of(cells_) + size_of(cuts_) + size_of(evidence_) +
-           (fresh_ ? cells_.size() * sizeof(Fresh) : 0) +
-           (new_cells_ ? NewCells::memory_size() : 0);
+    return tree_.memory_size() + size_of(places_) + size_of(cuts_) + size_of(evidence_) +
+           (fresh_ ? size() * sizeof(Fresh) : 0) + (new_cells_ ? NewCells::memory_size() : 0);
 }
 
 }  // namespace lightcull

@@ -46,7 +46,7 @@ struct LearningLimits {
 /// are to be of twice the size.
 class LearnedCells {
   public:
-    static constexpr std::uint32_t kNone = CellTable::kNone;
+    static constexpr std::uint32_t kNone = CellTree::kNone;
 
     explicit LearnedCells(const LearningLimits& limits);
     LearnedCells(const LearnedCells& other);
@@ -55,7 +55,7 @@ class LearnedCells {
     /// The cell whose cut serves a point; kNone where none has been made.
     std::uint32_t find(const Receiver& receiver) const noexcept;
     const ClusterCut& cut(std::uint32_t cell) const noexcept { return cuts_[cell]; }
-    std::uint32_t size() const noexcept { return static_cast<std::uint32_t>(cuts_.size()); }
+    std::uint32_t size() const noexcept { return tree_.size(); }
 
     /// Collects an outcome. cell: the cell that served the point, or kNone.
     void report(const LearnedLights& lights, const LightOutcome& outcome,
@@ -75,11 +75,6 @@ class LearnedCells {
     std::size_t memory_size() const noexcept;
 
   private:
-    struct Cell {
-        CellKey key;
-        CutPlace place;
-        bool divided;  ///< finer cells are made within it
-    };
     /// The shadow rays to each cluster in the round: tries in the lower half, and hits in
     /// kParts in the upper.
     struct Fresh {
@@ -87,8 +82,9 @@ class LearnedCells {
     };
     static constexpr float kParts = 64.0f;
 
-    std::uint32_t find_finest(const float3& position, const float3& normal) const noexcept;
     void take_reports();
+    /// Lets finer cells be made within a cell, if there are any.
+    void divide(std::uint32_t cell);
     void rebuild_cuts(const LearnedLights& lights);
     void make_cells(const LearnedLights& lights);
     /// Adds a cell, without its cut; returns the one that it is part of, or kNone.
@@ -97,8 +93,8 @@ class LearnedCells {
 
     LearningLimits limits_;
     CellLattice lattice_;
-    CellTable table_;
-    std::vector<Cell> cells_;
+    CellTree tree_;
+    std::vector<CutPlace> places_;
     std::vector<ClusterCut> cuts_;
     std::vector<CutEvidence> evidence_;
     std::unique_ptr<Fresh[]> fresh_;

@@ -12,7 +12,7 @@ void NewCells::add(const CellLattice& lattice, CellKey key, const float3& positi
     Entry* const entry = entry_of(key);
     if (entry == nullptr) return;
     const float3 corner = lattice.corner(key);
-    const float inverse = 1.0f / lattice.size(CellLattice::level_of(key));
+    const float inverse = 1.0f / lattice.edge(CellLattice::level_of(key));
     const auto part = [](float x) {
         return static_cast<std::int64_t>(std::clamp(x, -1.0f, 2.0f) * MetCell::kParts);
     };

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/parallel_blocks.h"
+#include "base/radix_sort.h"
 #include "base/refine.h"
 #include "lights/bvh/light_bvh_kernels.h"
 #include "lights/learning/cut_kernels.h"
@@ -41,13 +42,20 @@ class LearnedPass final : public LightSelector, public SamplerInfo {
 
     void select(Span<const ShadingPoint> points, Span<const float> u,
                 Span<Selection> selections) const override try {
-        std::vector<std::uint32_t> cells(points.size());
+        std::vector<std::uint64_t> keys(points.size()), scratch(points.size());
+        const auto elsewhere = cells_->size();
         for_each_block(points.size(), kBlock, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t i = begin; i < end; ++i) cells[i] = cells_->find(to_local(points[i]));
+            for (std::size_t i = begin; i < end; ++i) {
+                const std::uint32_t cell = cells_->find(to_local(points[i]));
+                keys[i] = (std::uint64_t{std::min(cell, elsewhere)} << 32) | i;
+            }
         });
-        select_elsewhere(cells, points, u, selections);
+        select_elsewhere(keys, points, u, selections);
+        // The points of a cell come together, so that its cut is read from memory once.
         for_each_block(points.size(), kBlock, [&](std::size_t begin, std::size_t end) {
-            select_in_cells(cells, points, u, selections, begin, end);
+            const std::uint64_t* const sorted =
+                sort_keys<2>(keys.data() + begin, scratch.data() + begin, end - begin);
+            select_in_cells({sorted, end - begin}, points, u, selections);
         });
     } catch (const std::bad_alloc&) {
         throw Error("select(): no memory for the cells of " + std::to_string(points.size()) +
@@ -100,11 +108,18 @@ class LearnedPass final : public LightSelector, public SamplerInfo {
     }
 
   private:
-    static constexpr std::size_t kBlock = 16 * kMaxDescents;
+    static constexpr std::size_t kBlock = 8192;
     static constexpr std::uint32_t kIsCell = 0x80000000u;
 
     static bool is_cell(const Receipt& receipt) noexcept { return (receipt.key & kIsCell) != 0; }
     static std::uint32_t cell_of(const Receipt& receipt) noexcept { return receipt.key & ~kIsCell; }
+    /// A key has a cell in the upper half, and the index of a point in the lower.
+    static std::uint32_t cell_of(std::uint64_t key) noexcept {
+        return static_cast<std::uint32_t>(key >> 32);
+    }
+    static std::uint32_t index_of(std::uint64_t key) noexcept {
+        return static_cast<std::uint32_t>(key);
+    }
     Receiver to_local(const ShadingPoint& point) const noexcept { return {lights_->frame, point}; }
 
     /// Chooses a cluster of a cell, at which a descent starts.
@@ -114,17 +129,17 @@ class LearnedPass final : public LightSelector, public SamplerInfo {
         CutWeights weights;
         cut_kernels().weigh(cut, x, weights);
         descent.receiver = x;
-        if (weights.total > 0.0f) {
+        if (weights.total() > 0.0f) {
             const CutChoice choice = choose(weights, cut.size, number);
             descent.place = choice.within;
-            descent.prob =
-                static_cast<double>(weights.of[choice.place]) / static_cast<double>(weights.total);
+            descent.prob = static_cast<double>(weights.of[choice.place]) /
+                           static_cast<double>(weights.total());
             descent.child = cut.child[choice.place];
         } else {
             descent.prob = 0.0;
             descent.child = LightBvhNode::kLight;
         }
-        return {weights.total, kIsCell | cell};
+        return {weights.total(), kIsCell | cell};
     }
 
     static Selection result(const LightBvhDescent& descent, const Receipt& receipt) noexcept {
@@ -133,19 +148,25 @@ class LearnedPass final : public LightSelector, public SamplerInfo {
         return {descent.child & ~LightBvhNode::kLight, prob, prob, receipt};
     }
 
-    void select_in_cells(const std::vector<std::uint32_t>& cells, Span<const ShadingPoint> points,
-                         Span<const float> u, Span<Selection> selections, std::size_t begin,
-                         std::size_t end) const noexcept {
-        while (begin < end) {
+    /// Selects for the points of blocks, which are in keys with their cells, those without one
+    /// last.
+    void select_in_cells(Span<const std::uint64_t> keys, Span<const ShadingPoint> points,
+                         Span<const float> u, Span<Selection> selections) const noexcept {
+        for (std::size_t k = 0; k < keys.size();) {
             std::array<LightBvhDescent, kMaxDescents> descents;
             std::array<Receipt, kMaxDescents> receipts;
-            std::array<std::size_t, kMaxDescents> indices;
+            std::array<std::uint32_t, kMaxDescents> indices;
             std::size_t count = 0;
-            for (; begin < end && count < kMaxDescents; ++begin) {
-                if (cells[begin] == LearnedCells::kNone) continue;
-                indices[count] = begin;
-                receipts[count] = start(cells[begin], to_local(points[begin]),
-                                        refine(u[begin], points[begin]), descents[count]);
+            for (; k < keys.size() && count < kMaxDescents; ++k) {
+                const std::uint32_t cell = cell_of(keys[k]);
+                if (cell == cells_->size()) {
+                    k = keys.size();
+                    break;
+                }
+                const std::uint32_t i = index_of(keys[k]);
+                indices[count] = i;
+                receipts[count] =
+                    start(cell, to_local(points[i]), refine(u[i], points[i]), descents[count]);
                 ++count;
             }
             light_bvh_kernels<MeansNode>().descend(lights_->bvh(), {descents.data(), count});
@@ -156,10 +177,11 @@ class LearnedPass final : public LightSelector, public SamplerInfo {
     }
 
     /// Selects for the points that are in no cell.
-    void select_elsewhere(const std::vector<std::uint32_t>& cells, Span<const ShadingPoint> points,
+    void select_elsewhere(const std::vector<std::uint64_t>& keys, Span<const ShadingPoint> points,
                           Span<const float> u, Span<Selection> selections) const {
+        const auto is_elsewhere = [&](std::uint64_t key) { return cell_of(key) == cells_->size(); };
         const auto elsewhere =
-            static_cast<std::size_t>(std::count(cells.begin(), cells.end(), LearnedCells::kNone));
+            static_cast<std::size_t>(std::count_if(keys.begin(), keys.end(), is_elsewhere));
         if (elsewhere == 0) return;
         if (elsewhere == points.size()) {
             fallback_->select(points, u, selections);
@@ -171,11 +193,11 @@ class LearnedPass final : public LightSelector, public SamplerInfo {
         indices.reserve(elsewhere);
         some.reserve(elsewhere);
         numbers.reserve(elsewhere);
-        for (std::uint32_t i = 0; i < points.size(); ++i) {
-            if (cells[i] != LearnedCells::kNone) continue;
-            indices.push_back(i);
-            some.push_back(points[i]);
-            numbers.push_back(u[i]);
+        for (const std::uint64_t key : keys) {
+            if (!is_elsewhere(key)) continue;
+            indices.push_back(index_of(key));
+            some.push_back(points[index_of(key)]);
+            numbers.push_back(u[index_of(key)]);
         }
         std::vector<Selection> chosen(elsewhere);
         fallback_->select(some, numbers, chosen);
