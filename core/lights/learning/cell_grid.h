@@ -61,6 +61,10 @@ class CellTree {
     /// The finest cell that a place lies in; kNone where there is no cell.
     std::uint32_t find(const CellPlace& place) const noexcept;
 
+    /// True if find() is known to find this cell; false if it may find another.
+    bool is_finest_of(std::uint32_t cell, const CellPlace& place) const noexcept {
+        return divided_[cell] == 0 && CellLattice::key(place, level(cell)) == keys_[cell];
+    }
     /// The cell that one of level 1 or more is part of; it is divided.
     std::uint32_t parent_of(CellKey key) const noexcept;
 

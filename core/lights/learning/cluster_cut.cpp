@@ -16,11 +16,13 @@ void ClusterCut::clear() noexcept {
 }
 
 std::uint32_t ClusterCut::place_of_leaf(std::uint32_t leaf) const noexcept {
-    // To count all is faster than to search: it takes no branch, and vectors do it.
-    std::uint32_t count = 0;
-    for (const std::uint32_t first : first_leaf) count += first <= leaf ? 1 : 0;
-    assert(count > 0);
-    return count - 1;
+    static_assert((kMaxSize & (kMaxSize - 1)) == 0);
+    assert(size > 0 && first_leaf[0] <= leaf);
+    std::uint32_t place = 0;
+    for (std::uint32_t step = kMaxSize / 2; step > 0; step /= 2) {
+        place += first_leaf[place + step] <= leaf ? step : 0;
+    }
+    return place;
 }
 
 CutChoice choose(const CutWeights& weights, std::uint32_t size, double number) noexcept {
@@ -36,18 +38,20 @@ CutChoice choose(const CutWeights& weights, std::uint32_t size, double number) n
         left -= second ? first : 0.0;
         column += second ? half : 0;
     }
+    // The last cluster with any weight that begins before the place; without branches, which nobody
+    // can predict.
+    double sum = 0.0, before = 0.0, weight = 1.0;
     std::uint32_t chosen = column;
-    double weight = 0.0;
     for (std::uint32_t i = column; i < size; i += kStride) {
         const auto w = static_cast<double>(weights.of[i]);
-        if (!(w > 0.0)) continue;
-        left -= weight;
-        chosen = i;
-        weight = w;
-        if (left < w) break;
+        const bool take = w > 0.0 && sum <= left;
+        chosen = take ? i : chosen;
+        before = take ? sum : before;
+        weight = take ? w : weight;
+        sum += w;
     }
     constexpr double kBelowOne = 1.0 - 0x1p-53;
-    return {chosen, std::clamp(left / weight, 0.0, kBelowOne)};
+    return {chosen, std::clamp((left - before) / weight, 0.0, kBelowOne)};
 }
 
 }  // namespace lightcull

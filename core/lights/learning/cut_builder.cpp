@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <unordered_map>
 #include <vector>
 
 #include "base/float3_math.h"
+#include "base/random.h"
 #include "lights/bvh/light_bvh_kernels.h"
 
 namespace lightcull {
@@ -31,7 +31,7 @@ class KnownEvidence {
             const Evidence& known = evidence.of[i];
             for (LightBvhSlot slot = cut.slot[i]; slot != LightBvh<MeansNode>::kNoSlot;
                  slot = bvh.parents[slot / kWidth]) {
-                Evidence& sum = by_slot_[slot];
+                Evidence& sum = entry_of(slot);
                 sum.tries += known.tries;
                 sum.hits += known.hits;
             }
@@ -41,13 +41,50 @@ class KnownEvidence {
     /// What is known of a slot; below the cut, what the slot above hands down to a part of it that
     /// has a share of its rays.
     Evidence of(LightBvhSlot slot, const Evidence& above, float share) const {
-        if (const auto found = by_slot_.find(slot); found != by_slot_.end()) return found->second;
         constexpr float kRays = 6.0f;
-        return handed_down(above, share, kRays);
+        for (std::size_t at = place_of(slot);; at = (at + 1) & (slots_.size() - 1)) {
+            if (slots_[at].slot == slot) return slots_[at].sum;
+            if (slots_[at].slot == LightBvh<MeansNode>::kNoSlot) {
+                return handed_down(above, share, kRays);
+            }
+        }
     }
 
   private:
-    std::unordered_map<LightBvhSlot, Evidence> by_slot_;
+    struct Entry {
+        LightBvhSlot slot = LightBvh<MeansNode>::kNoSlot;
+        Evidence sum;
+    };
+
+    std::size_t place_of(LightBvhSlot slot) const {
+        return static_cast<std::size_t>(mix(slot)) & (slots_.size() - 1);
+    }
+
+    Evidence& entry_of(LightBvhSlot slot) {
+        std::size_t at = place_of(slot);
+        while (slots_[at].slot != slot && slots_[at].slot != LightBvh<MeansNode>::kNoSlot) {
+            at = (at + 1) & (slots_.size() - 1);
+        }
+        if (slots_[at].slot == slot) return slots_[at].sum;
+        if (2 * ++count_ > slots_.size()) {
+            grow();
+            return entry_of(slot);
+        }
+        slots_[at].slot = slot;
+        return slots_[at].sum;
+    }
+
+    void grow() {
+        std::vector<Entry> before(2 * slots_.size());
+        before.swap(slots_);
+        count_ = 0;
+        for (const Entry& entry : before) {
+            if (entry.slot != LightBvh<MeansNode>::kNoSlot) entry_of(entry.slot) = entry.sum;
+        }
+    }
+
+    std::vector<Entry> slots_ = std::vector<Entry>(1024);  ///< a power of 2
+    std::size_t count_ = 0;
 };
 
 /// The node with clusters that are as wide as if all points of the place were seen from one.

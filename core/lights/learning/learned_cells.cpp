@@ -64,11 +64,14 @@ LearnedCells::LearnedCells(const LearnedCells& other)
     if (new_cells_) new_cells_->restore(other.new_cells_->cells());
 }
 
-std::uint32_t LearnedCells::find(const Receiver& receiver) const noexcept {
-    const CellPlace place = lattice_.place(receiver.position, receiver.normal);
-    const std::uint32_t cell = tree_.find(place);
+std::uint32_t LearnedCells::find(const float3& position, const float3& normal,
+                                 std::uint32_t& hint) const noexcept {
+    const CellPlace place = lattice_.place(position, normal);
+    const std::uint32_t cell =
+        hint != kNone && tree_.is_finest_of(hint, place) ? hint : tree_.find(place);
+    hint = cell;
     if (cell == kNone) return kNone;
-    const std::uint32_t near = tree_.find(jittered(place, tree_.level(cell), receiver.position));
+    const std::uint32_t near = tree_.find(jittered(place, tree_.level(cell), position));
     return near == kNone ? cell : near;
 }
 

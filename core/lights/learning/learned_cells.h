@@ -52,8 +52,15 @@ class LearnedCells {
     LearnedCells(const LearnedCells& other);
     LearnedCells& operator=(const LearnedCells&) = delete;
 
-    /// The cell whose cut serves a point; kNone where none has been made.
-    std::uint32_t find(const Receiver& receiver) const noexcept;
+    /// The cell whose cut serves a point, whose position is in the units of the lights; kNone where
+    /// none has been made.
+    std::uint32_t find(const float3& position, const float3& normal) const noexcept {
+        std::uint32_t hint = kNone;
+        return find(position, normal, hint);
+    }
+    /// The same; faster where the points of calls with one hint, kNone at first, are neighbours.
+    std::uint32_t find(const float3& position, const float3& normal,
+                       std::uint32_t& hint) const noexcept;
     const ClusterCut& cut(std::uint32_t cell) const noexcept { return cuts_[cell]; }
     std::uint32_t size() const noexcept { return tree_.size(); }
 
@@ -64,6 +71,8 @@ class LearnedCells {
     /// False when learning has come to rest.
     bool learning() const noexcept { return new_cells_ != nullptr; }
 
+    /// The number of rounds that have ended.
+    std::uint32_t round() const noexcept { return round_; }
     /// Ends a round: from time to time, what has been reported changes the cells. Runs in the
     /// caller's TBB arena; the result does not depend on it.
     void learn(const LearnedLights& lights);

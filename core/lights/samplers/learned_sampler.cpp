@@ -31,13 +31,16 @@ class LearnedPass final : public LightSelector, public SamplerInfo {
         : fallback_(std::move(fallback)), lights_(std::move(lights)), cells_(std::move(cells)) {}
 
     Selection select(const ShadingPoint& point, float u) const noexcept override {
-        const Receiver x = to_local(point);
-        const std::uint32_t cell = cells_->find(x);
+        const std::uint32_t cell = find(point);
         if (cell == LearnedCells::kNone) return fallback_->select(point, u);
+        const Receiver x = to_local(point);
+        CutWeights weights;
+        weigh(cell, x, weights);
         LightBvhDescent descent;
-        const Receipt receipt = start(cell, x, refine(u, point), descent);
+        descent.receiver = x;
+        choose_cluster(cell, weights, refine(u, point), descent);
         light_bvh_kernels<MeansNode>().descend(lights_->bvh(), {&descent, 1});
-        return result(descent, receipt);
+        return result(descent, {weights.total(), kIsCell | cell});
     }
 
     void select(Span<const ShadingPoint> points, Span<const float> u,
@@ -45,8 +48,10 @@ class LearnedPass final : public LightSelector, public SamplerInfo {
         std::vector<std::uint64_t> keys(points.size()), scratch(points.size());
         const auto elsewhere = cells_->size();
         for_each_block(points.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+            std::uint32_t hint = LearnedCells::kNone;
             for (std::size_t i = begin; i < end; ++i) {
-                const std::uint32_t cell = cells_->find(to_local(points[i]));
+                const std::uint32_t cell = cells_->find(lights_->frame.position(points[i].position),
+                                                        points[i].normal, hint);
                 keys[i] = (std::uint64_t{std::min(cell, elsewhere)} << 32) | i;
             }
         });
@@ -89,7 +94,7 @@ class LearnedPass final : public LightSelector, public SamplerInfo {
     std::uint32_t set_count() const noexcept override { return fallback_->set_count(); }
 
     SelectionCounts count(const ShadingPoint& point) const noexcept override {
-        const std::uint32_t cell = cells_->find(to_local(point));
+        const std::uint32_t cell = find(point);
         if (cell == LearnedCells::kNone) return sampler_info(*fallback_)->count(point);
         SelectionCounts counts;
         const ClusterCut& cut = cells_->cut(cell);
@@ -120,26 +125,29 @@ class LearnedPass final : public LightSelector, public SamplerInfo {
     static std::uint32_t index_of(std::uint64_t key) noexcept {
         return static_cast<std::uint32_t>(key);
     }
+    bool is_elsewhere(std::uint64_t key) const noexcept { return cell_of(key) == cells_->size(); }
+    std::uint32_t find(const ShadingPoint& point) const noexcept {
+        return cells_->find(lights_->frame.position(point.position), point.normal);
+    }
     Receiver to_local(const ShadingPoint& point) const noexcept { return {lights_->frame, point}; }
 
-    /// Chooses a cluster of a cell, at which a descent starts.
-    Receipt start(std::uint32_t cell, const Receiver& x, double number,
-                  LightBvhDescent& descent) const noexcept {
+    /// Weighs the clusters of a cell.
+    void weigh(std::uint32_t cell, const Receiver& x, CutWeights& weights) const noexcept {
+        cut_kernels().weigh(cells_->cut(cell), x, weights);
+    }
+
+    /// Chooses one of them, at which a descent starts.
+    void choose_cluster(std::uint32_t cell, const CutWeights& weights, double number,
+                        LightBvhDescent& descent) const noexcept {
+        descent.prob = 0.0;
+        descent.child = LightBvhNode::kLight;
+        if (!(weights.total() > 0.0f)) return;
         const ClusterCut& cut = cells_->cut(cell);
-        CutWeights weights;
-        cut_kernels().weigh(cut, x, weights);
-        descent.receiver = x;
-        if (weights.total() > 0.0f) {
-            const CutChoice choice = choose(weights, cut.size, number);
-            descent.place = choice.within;
-            descent.prob = static_cast<double>(weights.of[choice.place]) /
-                           static_cast<double>(weights.total());
-            descent.child = cut.child[choice.place];
-        } else {
-            descent.prob = 0.0;
-            descent.child = LightBvhNode::kLight;
-        }
-        return {weights.total(), kIsCell | cell};
+        const CutChoice choice = choose(weights, cut.size, number);
+        descent.place = choice.within;
+        descent.prob =
+            static_cast<double>(weights.of[choice.place]) / static_cast<double>(weights.total());
+        descent.child = cut.child[choice.place];
     }
 
     static Selection result(const LightBvhDescent& descent, const Receipt& receipt) noexcept {
@@ -152,26 +160,27 @@ class LearnedPass final : public LightSelector, public SamplerInfo {
     /// last.
     void select_in_cells(Span<const std::uint64_t> keys, Span<const ShadingPoint> points,
                          Span<const float> u, Span<Selection> selections) const noexcept {
-        for (std::size_t k = 0; k < keys.size();) {
+        const auto end = static_cast<std::size_t>(
+            std::find_if(keys.begin(), keys.end(), [&](auto key) { return is_elsewhere(key); }) -
+            keys.begin());
+        for (std::size_t begin = 0; begin < end; begin += kMaxDescents) {
+            const std::size_t count = std::min(kMaxDescents, end - begin);
             std::array<LightBvhDescent, kMaxDescents> descents;
-            std::array<Receipt, kMaxDescents> receipts;
-            std::array<std::uint32_t, kMaxDescents> indices;
-            std::size_t count = 0;
-            for (; k < keys.size() && count < kMaxDescents; ++k) {
-                const std::uint32_t cell = cell_of(keys[k]);
-                if (cell == cells_->size()) {
-                    k = keys.size();
-                    break;
-                }
-                const std::uint32_t i = index_of(keys[k]);
-                indices[count] = i;
-                receipts[count] =
-                    start(cell, to_local(points[i]), refine(u[i], points[i]), descents[count]);
-                ++count;
+            std::array<CutWeights, kMaxDescents> weights;
+            // One step for all of them, and then the next: no step waits for the one before.
+            for (std::size_t k = 0; k < count; ++k) {
+                descents[k].receiver = to_local(points[index_of(keys[begin + k])]);
+                weigh(cell_of(keys[begin + k]), descents[k].receiver, weights[k]);
+            }
+            for (std::size_t k = 0; k < count; ++k) {
+                const std::uint32_t i = index_of(keys[begin + k]);
+                choose_cluster(cell_of(keys[begin + k]), weights[k], refine(u[i], points[i]),
+                               descents[k]);
             }
             light_bvh_kernels<MeansNode>().descend(lights_->bvh(), {descents.data(), count});
-            for (std::size_t i = 0; i < count; ++i) {
-                selections[indices[i]] = result(descents[i], receipts[i]);
+            for (std::size_t k = 0; k < count; ++k) {
+                selections[index_of(keys[begin + k])] =
+                    result(descents[k], {weights[k].total(), kIsCell | cell_of(keys[begin + k])});
             }
         }
     }
@@ -179,9 +188,8 @@ class LearnedPass final : public LightSelector, public SamplerInfo {
     /// Selects for the points that are in no cell.
     void select_elsewhere(const std::vector<std::uint64_t>& keys, Span<const ShadingPoint> points,
                           Span<const float> u, Span<Selection> selections) const {
-        const auto is_elsewhere = [&](std::uint64_t key) { return cell_of(key) == cells_->size(); };
-        const auto elsewhere =
-            static_cast<std::size_t>(std::count_if(keys.begin(), keys.end(), is_elsewhere));
+        const auto elsewhere = static_cast<std::size_t>(
+            std::count_if(keys.begin(), keys.end(), [&](auto key) { return is_elsewhere(key); }));
         if (elsewhere == 0) return;
         if (elsewhere == points.size()) {
             fallback_->select(points, u, selections);
@@ -221,6 +229,7 @@ class LearnedSampler final : public LightSampler, public SamplerInfo {
 
     void begin_pass(std::uint64_t pass) override {
         culled_->begin_pass(pass);
+        ++passes_;
         if (!cells_->due()) return;
         current_.reset();
         if (cells_.use_count() > 1) cells_ = std::make_shared<LearnedCells>(*cells_);
@@ -257,7 +266,11 @@ class LearnedSampler final : public LightSampler, public SamplerInfo {
     void report(Span<const LightOutcome> outcomes) const noexcept override {
         current_->report(outcomes);
     }
-    bool wants_reports() const noexcept override { return cells_->learning(); }
+    bool wants_reports() const noexcept override {
+        // Later passes tell less that is new, and reports take time.
+        constexpr std::uint32_t kAll = 32, kOneIn = 4;
+        return cells_->learning() && (cells_->round() < kAll || passes_ % kOneIn == 0);
+    }
     std::uint32_t set_count() const noexcept override { return culled_->set_count(); }
     SelectionCounts count(const ShadingPoint& point) const noexcept override {
         return current_->count(point);
@@ -272,6 +285,7 @@ class LearnedSampler final : public LightSampler, public SamplerInfo {
     std::shared_ptr<const LearnedLights> lights_;
     std::shared_ptr<LearnedCells> cells_;
     std::unique_ptr<const LearnedPass> current_;
+    std::uint64_t passes_ = 0;  ///< number of passes begun
 };
 
 }  // namespace
