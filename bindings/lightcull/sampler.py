@@ -56,6 +56,23 @@ class LightSelector:
         """
         return self._core.prob(positions, normals, selections, lights)
 
+    def report(
+        self,
+        positions: np.ndarray,
+        normals: np.ndarray | None,
+        selections: np.ndarray,
+        visibility: np.ndarray,
+    ) -> None:
+        """Reports what became of selected lights, to a sampler that learns (`learned`); others do
+        not listen.
+
+        selections: what `select` returned for these points, or a part of both; where prob is 0
+        nothing is reported. visibility: float32 (N,), the share of the light's rays that arrived,
+        in [0, 1]: 0 where a shadow ray was blocked, 1 or a transmittance where not. What was
+        learned is used from the next `begin_pass` on.
+        """
+        self._core.report(positions, normals, selections, visibility)
+
     def vertex_prob(
         self,
         positions: np.ndarray,
@@ -92,6 +109,11 @@ class LightSelector:
     def needs_receipt(self) -> bool:
         """False if `prob` depends on the point and the light alone, whatever was selected."""
         return self._core.needs_receipt()
+
+    @property
+    def wants_reports(self) -> bool:
+        """False if `report` does nothing: the sampler does not learn, or not in this pass."""
+        return self._core.wants_reports()
 
     def __repr__(self) -> str:
         return f"<lightcull.LightSampler {self.description!r}: {self.light_count} lights>"
@@ -158,6 +180,18 @@ class LightSampler(LightSelector):
         """
         checks.whole_number("number", number, most=checks.MOST_64_BITS)
         return LightSelector(self._sampler.at_pass(number), self.description)
+
+    def learned(self) -> bytes:
+        """What has been learned and reported; empty if the sampler does not learn."""
+        return self._sampler.learned()
+
+    def restore_learned(self, learned: bytes) -> None:
+        """Goes on as the sampler would whose `learned` this is, and begins pass 0.
+
+        That one is over the same lights, made with the same description by the same version of
+        lightcull; `lightcull.Error` for anything else.
+        """
+        self._sampler.restore_learned(learned)
 
     def update(self, lights: np.ndarray, max_growth: float = 2.0) -> tuple[bool, float]:
         """Takes lights that have moved, changed or been switched, and begins pass 0.

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace lightcull::python {
@@ -37,13 +38,21 @@ class InterruptibleRenderer : public Interruptible<Renderer> {
         return array;
     }
 
-    void restore(const RenderStats& stats, const py::object& sums) {
+    /// What the sampler has learned.
+    py::bytes learned() {
+        const std::vector<std::uint8_t> bytes =
+            locked([](const Renderer& renderer) { return renderer.sampler().learned(); });
+        return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+    }
+
+    void restore(const RenderStats& stats, const py::object& sums, const py::bytes& learned) {
+        const std::string_view bytes = learned;
         const py::buffer_info info = read_array(sums, "sums",
                                                 {numpy_dtype(py::str("float64")),
                                                  {static_cast<py::ssize_t>(settings().height),
                                                   static_cast<py::ssize_t>(settings().width), 3}});
         const auto* first = static_cast<const double*>(info.ptr);
-        const RenderState state{stats, {first, first + info.size}};
+        const RenderState state{stats, {first, first + info.size}, {bytes.begin(), bytes.end()}};
         locked([&](Renderer& renderer) { renderer.restore(state); });
     }
 
@@ -119,6 +128,7 @@ void bind_renderer(py::module_& module) {
         .def("render_pass", &InterruptibleRenderer::render_pass)
         .def("image", &InterruptibleRenderer::image)
         .def("sums", &InterruptibleRenderer::sums)
+        .def("learned", &InterruptibleRenderer::learned)
         .def("restore", &InterruptibleRenderer::restore)
         .def("stats", &InterruptibleRenderer::stats)
         .def("mean_counts", &InterruptibleRenderer::mean_counts)

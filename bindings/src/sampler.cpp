@@ -15,7 +15,9 @@
 #include <mutex>
 #include <shared_mutex>
 #include <string>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 namespace lightcull::python {
 namespace {
@@ -39,6 +41,13 @@ class SharedSelector {
     std::size_t light_count() const noexcept { return light_count_; }
     std::uint32_t set_count() const noexcept { return selector_->set_count(); }
     bool needs_receipt() const noexcept { return selector_->needs_receipt(); }
+    bool knows(const Receipt& receipt) const noexcept { return selector_->knows(receipt); }
+
+    bool wants_reports() const {
+        bool wants = false;
+        use([&](const LightSelector& selector) { wants = selector.wants_reports(); });
+        return wants;
+    }
 
   protected:
     mutable std::shared_mutex mutex_;
@@ -65,6 +74,26 @@ class SharedSampler : public SharedSelector {
     std::unique_ptr<SharedSelector> at_pass(std::uint64_t number) const {
         const py::gil_scoped_release release;
         return std::make_unique<SharedSelector>(sampler_->pass(number), light_count());
+    }
+
+    py::bytes learned() const {
+        std::vector<std::uint8_t> bytes;
+        {
+            const py::gil_scoped_release release;
+            const std::unique_lock lock(mutex_);
+            bytes = sampler_->learned();
+        }
+        return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+    }
+
+    /// Pass 0 begins.
+    void restore_learned(const py::bytes& learned) {
+        const std::string_view bytes = learned;
+        const py::gil_scoped_release release;
+        const std::unique_lock lock(mutex_);
+        sampler_->restore_learned(
+            {reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
+        sampler_->begin_pass(0);
     }
 
     /// Takes lights that have changed. Returns true if the tree was built anew, and its growth.
@@ -142,13 +171,15 @@ std::vector<Selection> selections_from(const py::object& array, Points& points,
     const auto* first = static_cast<const Selection*>(info.ptr);
     std::vector<Selection> selections(first, first + info.shape[0]);
     for (std::size_t i = 0; i < selections.size(); ++i) {
-        if (selections[i].receipt.key >= sampler.set_count())
+        if (!sampler.knows(selections[i].receipt))
             throw_row_error("selections", i, "the key is none of this sampler's");
         if (selections[i].prob > 0.0f && selections[i].light >= sampler.light_count())
             throw_row_error("selections", i, "the light is none of this sampler's");
         const float sum = selections[i].receipt.weight_sum;
         if (!std::isfinite(sum)) throw_row_error("selections", i, "the weight_sum is not finite");
-        points[i].set = selections[i].receipt.key;
+        if (selections[i].receipt.key < sampler.set_count()) {
+            points[i].set = selections[i].receipt.key;
+        }
     }
     return selections;
 }
@@ -192,6 +223,22 @@ py::object prob(const SharedSelector& sampler, const py::object& positions,
             result[i] = s.prob(points[i], selected[i].receipt, ids.span()[i]);
     });
     return probs;
+}
+
+void report(const SharedSelector& sampler, const py::object& positions, const py::object& normals,
+            const py::object& selections, const py::object& visibility) {
+    Points points = points_from(positions, normals);
+    const std::vector<Selection> selected = selections_from(selections, points, sampler);
+    const Rows<float> parts(visibility, "visibility", static_cast<py::ssize_t>(points.size()));
+    std::vector<LightOutcome> outcomes;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const float part = parts.span()[i];
+        if (!(part >= 0.0f && part <= 1.0f)) throw_row_error("visibility", i, "not in [0, 1]");
+        if (!(selected[i].prob > 0.0f)) continue;
+        outcomes.push_back(
+            {points[i].position, points[i].normal, selected[i].receipt, selected[i].light, part});
+    }
+    sampler.use([&](const LightSelector& s) { s.report(outcomes); });
 }
 
 py::object vertex_prob(const SharedSelector& sampler, const py::object& positions,
@@ -297,10 +344,14 @@ void bind_sampler(py::module_& module) {
         .def("count", &count)
         .def("light_count", &SharedSelector::light_count)
         .def("set_count", &SharedSelector::set_count)
-        .def("needs_receipt", &SharedSelector::needs_receipt);
+        .def("needs_receipt", &SharedSelector::needs_receipt)
+        .def("wants_reports", &SharedSelector::wants_reports)
+        .def("report", &report);
     py::class_<SharedSampler, SharedSelector>(module, "LightSampler")
         .def("begin_pass", &SharedSampler::begin_pass)
         .def("at_pass", &SharedSampler::at_pass)
+        .def("learned", &SharedSampler::learned)
+        .def("restore_learned", &SharedSampler::restore_learned)
         .def("update", &SharedSampler::update);
 }
 

@@ -178,11 +178,12 @@ std::vector<float3> Renderer::image() const {
 }
 void Renderer::restore(const RenderState& state) {
     check_state(state, impl_->settings);
+    if (!state.learned.empty()) impl_->sampler->restore_learned(state.learned);
     impl_->film.restore(state.sums, state.stats.passes);
     impl_->stats = state.stats;
 }
 RenderState Renderer::state() const {
-    RenderState state{impl_->stats, {}};
+    RenderState state{impl_->stats, {}, impl_->sampler->learned()};
     state.sums.reserve(3 * impl_->film.sums().size());
     for (const Imath::V3d& sum : impl_->film.sums()) {
         state.sums.insert(state.sums.end(), {sum.x, sum.y, sum.z});

@@ -268,6 +268,66 @@ static void test_library(void) {
     CHECK(strcmp(lightcull_instruction_set(), name) == 0);
 }
 
+/* Lights of even number are hidden. What is learned of that reaches the next pass, can be taken along
+   to another sampler, and is lost where reports are dropped. */
+static void test_learning(void) {
+    enum { kRounds = 400 };
+    lightcull_light lights[kLights];
+    lightcull_sampler *sampler = NULL, *other = NULL, *culled = NULL;
+    const lightcull_pass* pass = NULL;
+    const lightcull_shading_point point = floor_point();
+    uint8_t* learned = NULL;
+    size_t size = 0;
+    int i, round, hidden_at_first = 0, hidden_at_last = 0;
+    make_lights(lights);
+    CHECK(lightcull_sampler_create("learned", lights, kLights, NULL, &sampler) == LIGHTCULL_OK);
+    CHECK(lightcull_sampler_create("learned", lights, kLights, NULL, &other) == LIGHTCULL_OK);
+    CHECK(lightcull_sampler_create("culled", lights, kLights, NULL, &culled) == LIGHTCULL_OK);
+    CHECK(!lightcull_wants_reports(lightcull_sampler_current_pass(culled)));
+    pass = lightcull_sampler_current_pass(sampler);
+    CHECK(lightcull_wants_reports(pass));
+    for (round = 0; round < 4; ++round) {
+        CHECK(lightcull_sampler_begin_pass(sampler, (uint64_t)round) == LIGHTCULL_OK);
+        for (i = 0; i < kRounds; ++i) {
+            lightcull_selection s;
+            lightcull_outcome outcome = {{0, 0, 0}, {0, 1, 0}, {0, 0}, 0, 0};
+            lightcull_select(pass, &point, ((float)i + 0.5f) / kRounds, &s);
+            outcome.receipt = s.receipt;
+            outcome.light = s.light;
+            outcome.visibility = (float)(s.light % 2);
+            if (round == 0) hidden_at_first += 1 - (int)(s.light % 2);
+            if (round == 3) hidden_at_last += 1 - (int)(s.light % 2);
+            lightcull_report(pass, &outcome, 1);
+        }
+    }
+    CHECK(hidden_at_first > kRounds / 3);
+    CHECK(hidden_at_last < hidden_at_first / 2);
+
+    CHECK(lightcull_sampler_learned(sampler, NULL, &size) == LIGHTCULL_OK);
+    CHECK(size > 0);
+    learned = malloc(size);
+    CHECK(lightcull_sampler_learned(sampler, learned, &size) == LIGHTCULL_OK);
+    CHECK(lightcull_sampler_restore_learned(other, learned, size) == LIGHTCULL_OK);
+    CHECK(lightcull_sampler_begin_pass(sampler, 9) == LIGHTCULL_OK);
+    CHECK(lightcull_sampler_begin_pass(other, 9) == LIGHTCULL_OK);
+    for (i = 0; i < 50; ++i) {
+        lightcull_selection a, b;
+        lightcull_select(pass, &point, ((float)i + 0.5f) / 50, &a);
+        lightcull_select(lightcull_sampler_current_pass(other), &point, ((float)i + 0.5f) / 50, &b);
+        CHECK(are_equal(&a, &b));
+    }
+    CHECK_INVALID(lightcull_sampler_restore_learned(other, learned, size / 2), "makes no sense");
+    CHECK_INVALID(lightcull_sampler_restore_learned(culled, learned, size), "does not learn");
+    CHECK_INVALID(lightcull_sampler_learned(sampler, learned, NULL), "size");
+    size = 1;
+    CHECK(lightcull_sampler_learned(culled, NULL, &size) == LIGHTCULL_OK && size == 0);
+    lightcull_sampler_drop_reports(sampler);
+    free(learned);
+    lightcull_sampler_destroy(sampler);
+    lightcull_sampler_destroy(other);
+    lightcull_sampler_destroy(culled);
+}
+
 int main(void) {
     CHECK(strcmp(lightcull_last_error(), "") == 0);
     test_estimate("culled");
@@ -279,6 +339,7 @@ int main(void) {
     test_errors_of_samplers();
     test_errors_of_lights();
     test_checked_sampler();
+    test_learning();
     test_library();
     return failures == 0 ? 0 : 1;
 }

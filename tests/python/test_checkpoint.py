@@ -30,7 +30,7 @@ def render(
     )
 
 
-@pytest.mark.parametrize("sampler", ["culled", "light_bvh", "power", "paper", "culled:sets=256"])
+@pytest.mark.parametrize("sampler", ["culled", "light_bvh", "power", "paper", "culled:sets=256", "learned"])
 def test_the_same_bits_as_if_it_had_never_stopped(tmp_path: Path, sampler: str) -> None:
     file = tmp_path / "a"
     first = render(3, sampler, checkpoint=file, threads=1)
@@ -347,8 +347,3 @@ def test_ctrl_c_on_the_command_line(
     assert done.returncode == 0, done.stderr
     whole = lightcull.render(lightcull.example_scene("cornell"), spp=5, size=(32, 24))
     assert np.array_equal(lightcull.read_image(tmp_path / "a.exr"), whole.image)
-
-
-def test_learned_has_no_checkpoints(tmp_path: Path) -> None:
-    with pytest.raises(lightcull.Error, match="not for learned"):
-        render(1, "learned", checkpoint=tmp_path / "a")

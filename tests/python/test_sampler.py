@@ -153,6 +153,43 @@ def test_a_scene_brings_its_lights(room: lightcull.Scene) -> None:
     assert sampler.set_count >= 1
 
 
+def test_what_is_hidden_is_learned_and_taken_along() -> None:
+    sampler = lightcull.LightSampler(LIGHTS, "learned")
+    hidden = np.arange(len(LIGHTS)) % 3 > 0
+    shares = []
+    for number in range(32):
+        sampler.begin_pass(number)
+        assert sampler.wants_reports
+        chosen = sampler.select(POSITIONS, NORMALS, floats(len(POSITIONS)))
+        some = chosen["prob"] > 0
+        prob = sampler.prob(POSITIONS, NORMALS, chosen, chosen["light"].copy())
+        assert np.allclose(prob[some], chosen["mis_prob"][some])
+        visibility = np.where(hidden[chosen["light"]], 0, 1).astype(np.float32)
+        shares.append(visibility[some].mean())
+        sampler.report(POSITIONS, NORMALS, chosen, visibility)
+    assert np.mean(shares[-4:]) > 1.3 * np.mean(shares[:4])
+    again = lightcull.LightSampler(LIGHTS, "learned")
+    again.restore_learned(sampler.learned())
+    u = floats(len(POSITIONS))
+    for each in (sampler, again):
+        each.begin_pass(99)
+    assert np.array_equal(
+        again.select(POSITIONS, NORMALS, u), sampler.select(POSITIONS, NORMALS, u)
+    )
+
+
+def test_culled_does_not_learn() -> None:
+    sampler = lightcull.LightSampler(LIGHTS, "culled")
+    assert not sampler.wants_reports and sampler.learned() == b""
+    with pytest.raises(lightcull.Error, match="does not learn"):
+        sampler.restore_learned(b"x")
+    with pytest.raises(lightcull.Error, match="another version"):
+        lightcull.LightSampler(LIGHTS, "learned").restore_learned(b"x")
+    chosen = sampler.select(POSITIONS, NORMALS, floats(len(POSITIONS)))
+    with pytest.raises(lightcull.Error, match=r"visibility\[0\]: not in \[0, 1\]"):
+        sampler.report(POSITIONS, NORMALS, chosen, np.full(len(POSITIONS), 2, np.float32))
+
+
 def test_bad_input_is_named() -> None:
     sampler = lightcull.LightSampler(LIGHTS, "culled:sets=16")
     one, up, u = np.zeros((1, 3), np.float32), np.float32([[0, 1, 0]]), np.zeros(1, np.float32)

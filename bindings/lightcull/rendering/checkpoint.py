@@ -1,7 +1,8 @@
 """Renders that are saved on the way, to go on later as if they had never stopped.
 
 A checkpoint is a line that says what it is, a checksum of the rest, a line of JSON that says of
-which render, and the sums of its passes: float64 (H, W, 3), little-endian.
+which render, the sums of its passes (float64 (H, W, 3), little-endian), and what its sampler has
+learned.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from .. import _core, checks
 from .._core import Error
 from ..output_files import check_output, write_whole_file
 
-_MAGIC = b"lightcull checkpoint 1\n"
+_MAGIC = b"lightcull checkpoint 2\n"
 _DIGEST_SIZE = 32
 _SECONDS_BETWEEN = 60.0
 
@@ -61,6 +62,8 @@ class Checkpoint:
     setup_seconds: float
     sums: np.ndarray
     """float64 (H, W, 3), over the passes."""
+    learned: bytes
+    """By the sampler; empty if it does not learn."""
 
 
 _STATS = ("passes", "seconds", "sampler_seconds", "selection_seconds", "selections", "rays")
@@ -74,7 +77,7 @@ def write(path: str, key: RenderKey, checkpoint: Checkpoint) -> None:
         "setup_seconds": checkpoint.setup_seconds,
     }
     sums = checkpoint.sums.astype("<f8", copy=False)
-    rest = json.dumps(about).encode() + b"\n" + sums.tobytes()
+    rest = json.dumps(about).encode() + b"\n" + sums.tobytes() + checkpoint.learned
     write_whole_file(path, _MAGIC + _checksum(rest) + b"\n" + rest)
 
 
@@ -104,8 +107,9 @@ def _parse(data: bytes) -> tuple[RenderKey, Checkpoint]:
     key = RenderKey(**{**about["key"], "size": checks.size(about["key"]["size"])})
     stats = _core.RenderStats(**{name: about["stats"][name] for name in _STATS})
     width, height = key.size
-    image = np.frombuffer(sums, "<f8").astype(np.float64).reshape(height, width, 3)
-    return key, Checkpoint(stats, float(about["setup_seconds"]), image)
+    size = 8 * 3 * height * width
+    image = np.frombuffer(sums[:size], "<f8").astype(np.float64).reshape(height, width, 3)
+    return key, Checkpoint(stats, float(about["setup_seconds"]), image, sums[size:])
 
 
 class Keeper:

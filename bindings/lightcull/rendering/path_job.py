@@ -30,11 +30,11 @@ class PathJob:
     def checkpoint(self) -> Checkpoint:
         """All that there is so far."""
         renderer = self._renderer
-        return Checkpoint(renderer.stats(), self._setup_seconds(), renderer.sums())
+        return Checkpoint(renderer.stats(), self._setup_seconds(), renderer.sums(), renderer.learned())
 
     def resume(self, checkpoint: Checkpoint) -> None:
         """Goes on from a checkpoint of the same render. Before the first pass."""
-        self._renderer.restore(checkpoint.stats, checkpoint.sums)
+        self._renderer.restore(checkpoint.stats, checkpoint.sums, checkpoint.learned)
         self._setup_seconds_before = checkpoint.setup_seconds
 
     def image(self) -> np.ndarray:

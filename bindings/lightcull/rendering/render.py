@@ -113,8 +113,6 @@ def _by_paths(
         settings.max_depth, settings.rr_depth, settings.direct_light, settings.seed,
         machine.build_id(),
     )  # fmt: skip
-    if sampler.partition(":")[0] == "learned" and (checkpoint, resume) != (None, None):
-        raise Error("checkpoint and resume: not for learned, which they do not hold")
     keeper = Keeper(key, checkpoint=checkpoint, every=every, resume=resume)
     before = keeper.before
     if before is not None and budget.spp is not None and before.stats.passes > budget.spp:

@@ -8,6 +8,7 @@
 #include <cassert>
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 namespace lightcull {
 
@@ -124,6 +125,9 @@ class LIGHTCULL_EXPORT LightSelector {
     /// False if report() does nothing: the sampler does not learn, or no more.
     virtual bool wants_reports() const noexcept { return false; }
 
+    /// False if no selection of this pass can have had this receipt.
+    virtual bool knows(const Receipt& receipt) const noexcept { return receipt.key < set_count(); }
+
     /// Number of sets of random ranges, a power of 4. 1: it does not matter which a point uses.
     virtual std::uint32_t set_count() const noexcept { return 1; }
 };
@@ -171,6 +175,16 @@ class LIGHTCULL_EXPORT LightSampler : public LightSelector {
     /// Forgets what has been reported since the last begin_pass(), as a host does that drops a
     /// pass under way.
     virtual void drop_reports() noexcept {}
+
+    /// What has been learned and reported since the sampler was made, as bytes; none if the sampler
+    /// does not learn. Not while report() runs.
+    virtual std::vector<std::uint8_t> learned() const { return {}; }
+
+    /// Goes on, to the bit, as a sampler would of which these bytes are learned(): one over the
+    /// same lights, made with the same options by the same version of lightcull. Begin a pass after
+    /// it. Throws Error, and changes nothing, for bytes of another version or over other lights, or
+    /// that make no sense, and for any if the sampler does not learn.
+    virtual void restore_learned(Span<const std::uint8_t> bytes);
 };
 
 }  // namespace lightcull

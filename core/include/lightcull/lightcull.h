@@ -201,6 +201,16 @@ typedef struct LIGHTCULL_C_STRUCT lightcull_selection {
     lightcull_receipt receipt;
 } lightcull_selection;
 
+/// What became of a light that was selected for a point: what a sampler may learn from.
+typedef struct LIGHTCULL_C_STRUCT lightcull_outcome {
+    float position[3];          ///< of the point, as in lightcull_shading_point
+    float normal[3];            ///< of the point, as in lightcull_shading_point
+    lightcull_receipt receipt;  ///< of the selection
+    uint32_t light;             ///< of the selection
+    float visibility;  ///< share of the light's rays that arrived, [0, 1]: 0 where a shadow
+                       ///< ray was blocked, 1 or a transmittance where not
+} lightcull_outcome;
+
 /* ---- samplers -------------------------------------------------------------------------------- */
 
 /// A sampler, to draw passes from. It is made by the two calls below, and freed by
@@ -312,6 +322,27 @@ LIGHTCULL_C_API uint32_t lightcull_set_count(const lightcull_pass* pass);
 /// 0 if lightcull_prob() does not look at the receipt, which need not be kept then, else 1.
 LIGHTCULL_C_API int lightcull_needs_receipt(const lightcull_pass* pass);
 
+/// What has been learned and reported since the sampler was made; LightSampler::learned()
+/// (light_sampler.h) says more. *size: the bytes there is room for at `bytes`, which may be NULL
+/// where that is 0; then their number, which is 0 if the sampler does not learn. Nothing is written
+/// to `bytes` where there is not room for all. Only while nothing reports.
+LIGHTCULL_C_API lightcull_error lightcull_sampler_learned(const lightcull_sampler* sampler,
+                                                          uint8_t* bytes, size_t* size);
+
+/// Goes on as the sampler would of which lightcull_sampler_learned() gave the bytes. A pass has to
+/// begin after it. Fails, and changes nothing, for bytes of another version or over other lights,
+/// or that make no sense, and for any if the sampler does not learn.
+LIGHTCULL_C_API lightcull_error lightcull_sampler_restore_learned(lightcull_sampler* sampler,
+                                                                  const uint8_t* bytes,
+                                                                  size_t size);
+
+/// Forgets what has been reported since the last lightcull_sampler_begin_pass(), as a host does
+/// that drops a pass under way.
+LIGHTCULL_C_API void lightcull_sampler_drop_reports(lightcull_sampler* sampler);
+
+/// 0 if lightcull_report() does nothing: the sampler does not learn, or not in this pass; else 1.
+LIGHTCULL_C_API int lightcull_wants_reports(const lightcull_pass* pass);
+
 /* ---- hot calls ------------------------------------------------------------------------------- */
 
 /// Chooses a light for a point by the random number u in [0, 1), which is used up: take fresh
@@ -336,6 +367,14 @@ LIGHTCULL_C_API lightcull_error lightcull_select_many(const lightcull_pass* pass
 LIGHTCULL_C_API float lightcull_prob(const lightcull_pass* pass,
                                      const lightcull_shading_point* point,
                                      const lightcull_receipt* receipt, uint32_t light);
+
+/// Reports what became of `count` selected lights, to a sampler that learns; others do not listen.
+/// It may be called from any thread and in any order, with any part of the selections of the pass,
+/// and does not change what the pass selects: what was learned is used from the next
+/// lightcull_sampler_begin_pass() on. Outcomes that make no sense are left out. The call never
+/// fails.
+LIGHTCULL_C_API void lightcull_report(const lightcull_pass* pass, const lightcull_outcome* outcomes,
+                                      size_t count);
 
 /* ---- which set a point uses; sets.h says when to take which ------------------------------------
  */

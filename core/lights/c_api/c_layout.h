@@ -41,6 +41,13 @@ LIGHTCULL_SAME_FIELD(lightcull_selection, Selection, prob);
 LIGHTCULL_SAME_FIELD(lightcull_selection, Selection, mis_prob);
 LIGHTCULL_SAME_FIELD(lightcull_selection, Selection, receipt);
 
+LIGHTCULL_SAME_STRUCT(lightcull_outcome, LightOutcome);
+LIGHTCULL_SAME_FIELD(lightcull_outcome, LightOutcome, position);
+LIGHTCULL_SAME_FIELD(lightcull_outcome, LightOutcome, normal);
+LIGHTCULL_SAME_FIELD(lightcull_outcome, LightOutcome, receipt);
+LIGHTCULL_SAME_FIELD(lightcull_outcome, LightOutcome, light);
+LIGHTCULL_SAME_FIELD(lightcull_outcome, LightOutcome, visibility);
+
 #undef LIGHTCULL_SAME_FIELD
 #undef LIGHTCULL_SAME_STRUCT
 
@@ -49,6 +56,9 @@ inline const ShadingPoint* to_cpp(const lightcull_shading_point* points) noexcep
 }
 inline const Receipt* to_cpp(const lightcull_receipt* receipt) noexcept {
     return reinterpret_cast<const Receipt*>(receipt);
+}
+inline const LightOutcome* to_cpp(const lightcull_outcome* outcomes) noexcept {
+    return reinterpret_cast<const LightOutcome*>(outcomes);
 }
 inline Selection* to_cpp(lightcull_selection* selections) noexcept {
     return reinterpret_cast<Selection*>(selections);

@@ -2,6 +2,7 @@
 #include <lightcull/error.h>
 #include <lightcull/samplers.h>
 
+#include <algorithm>
 #include <cassert>
 #include <memory>
 #include <string>
@@ -130,6 +131,40 @@ lightcull_error lightcull_pass_create(const lightcull_sampler* sampler, uint64_t
 
 void lightcull_pass_destroy(lightcull_pass* pass) {
     delete to_cpp(pass);
+}
+
+lightcull_error lightcull_sampler_learned(const lightcull_sampler* sampler, uint8_t* bytes,
+                                          size_t* size) {
+    return guarded([&] {
+        check_not_null(sampler, "sampler");
+        check_not_null(size, "size");
+        const std::vector<std::uint8_t> learned = to_cpp(sampler)->learned();
+        const std::size_t room = std::exchange(*size, learned.size());
+        if (room < learned.size()) return;
+        if (!learned.empty()) check_not_null(bytes, "bytes");
+        std::copy(learned.begin(), learned.end(), bytes);
+    });
+}
+
+lightcull_error lightcull_sampler_restore_learned(lightcull_sampler* sampler, const uint8_t* bytes,
+                                                  size_t size) {
+    return guarded([&] {
+        check_not_null(sampler, "sampler");
+        if (size > 0) check_not_null(bytes, "bytes");
+        to_cpp(sampler)->restore_learned({bytes, size});
+    });
+}
+
+void lightcull_sampler_drop_reports(lightcull_sampler* sampler) {
+    to_cpp(sampler)->drop_reports();
+}
+
+int lightcull_wants_reports(const lightcull_pass* pass) {
+    return to_cpp(pass)->wants_reports() ? 1 : 0;
+}
+
+void lightcull_report(const lightcull_pass* pass, const lightcull_outcome* outcomes, size_t count) {
+    to_cpp(pass)->report({to_cpp(outcomes), count});
 }
 
 uint32_t lightcull_set_count(const lightcull_pass* pass) {

@@ -137,29 +137,41 @@ std::uint32_t CellTree::find(const CellPlace& place) const noexcept {
     return link;
 }
 
-CellTree::Link& CellTree::link_of(CellKey key) noexcept {
+const CellTree::Link* CellTree::find_link(CellKey key) const noexcept {
     const std::uint32_t level = CellLattice::level_of(key);
-    Link* link = const_cast<Link*>(link_of_root(CellLattice::ancestor(key, 0)));
-    for (std::uint32_t l = 1; l <= level; ++l) {
-        assert(link != nullptr && *link != kNone && (*link & kDivided) != 0);
-        Parts& parts = parts_[*link & ~kDivided];
+    const Link* link = link_of_root(CellLattice::ancestor(key, 0));
+    for (std::uint32_t l = 1; l <= level && link != nullptr; ++l) {
+        if (*link == kNone || (*link & kDivided) == 0) return nullptr;
+        const Parts& parts = parts_[*link & ~kDivided];
         link = &parts.of[CellLattice::octant_of(CellLattice::ancestor(key, l))];
     }
-    return *link;
+    return link;
+}
+
+CellTree::Link& CellTree::link_of(CellKey key) noexcept {
+    const Link* const link = find_link(key);
+    assert(link != nullptr);
+    return const_cast<Link&>(*link);
 }
 
 std::uint32_t CellTree::parent_of(CellKey key) const noexcept {
-    const Link link = link_of(CellLattice::ancestor(key, CellLattice::level_of(key) - 1));
-    assert((link & kDivided) != 0);
-    return parts_[link & ~kDivided].whole;
+    const Link* const link = find_link(CellLattice::ancestor(key, CellLattice::level_of(key) - 1));
+    assert(link != nullptr && (*link & kDivided) != 0);
+    return parts_[*link & ~kDivided].whole;
+}
+
+bool CellTree::may_add(CellKey key) const noexcept {
+    const std::uint32_t level = CellLattice::level_of(key);
+    if (level > CellLattice::kFinest || key != CellLattice::ancestor(key, level)) return false;
+    const Link* const link = find_link(key);
+    return level == 0 ? link == nullptr : link != nullptr && *link == kNone;
 }
 
 std::uint32_t CellTree::add(CellKey key) {
+    assert(may_add(key));
     const std::uint32_t cell = size();
     if (CellLattice::level_of(key) == 0) add_root(key);
-    Link& link = link_of(key);
-    assert(link == kNone);
-    link = cell;
+    link_of(key) = cell;
     keys_.push_back(key);
     divided_.push_back(0);
     return cell;

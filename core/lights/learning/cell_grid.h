@@ -68,6 +68,9 @@ class CellTree {
     /// The cell that one of level 1 or more is part of; it is divided.
     std::uint32_t parent_of(CellKey key) const noexcept;
 
+    /// True if add() may be called: the key makes sense, what it is part of is divided, and the
+    /// cell is not there yet.
+    bool may_add(CellKey key) const noexcept;
     /// Adds a cell and returns its number. The one that it is part of is divided.
     std::uint32_t add(CellKey key);
     /// Lets a cell have children.
@@ -94,9 +97,9 @@ class CellTree {
 
     const Link* link_of_root(CellKey key) const noexcept;
     /// Where it is written how to get to a cell of a key that is there, or is a part of one that is
-    /// divided.
+    /// divided; null for others.
+    const Link* find_link(CellKey key) const noexcept;
     Link& link_of(CellKey key) noexcept;
-    Link link_of(CellKey key) const noexcept { return const_cast<CellTree*>(this)->link_of(key); }
     void enter(const Root& root) noexcept;
     void add_root(CellKey key);
 

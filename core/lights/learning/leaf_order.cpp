@@ -14,6 +14,7 @@ LeafOrder::LeafOrder(const LightBvh<MeansNode>& bvh) {
             if (child != LightBvhNode::kEmpty) sizes[n] += is_light(child) ? 1 : sizes[child];
         }
     }
+    if (!sizes.empty()) size_ = sizes[0];
     first_.resize(kWidth * bvh.nodes.size());
     std::vector<std::uint32_t> first_of_node(bvh.nodes.size());
     for (std::size_t n = 0; n < bvh.nodes.size(); ++n) {
@@ -25,6 +26,17 @@ LeafOrder::LeafOrder(const LightBvh<MeansNode>& bvh) {
             if (!is_light(child)) first_of_node[child] = next;
             next += is_light(child) ? 1 : sizes[child];
         }
+    }
+}
+
+std::uint32_t LeafOrder::end(const LightBvh<MeansNode>& bvh, LightBvhSlot slot) const noexcept {
+    constexpr std::uint32_t kWidth = LightBvhNode::kWidth;
+    while (true) {
+        const std::uint32_t child = bvh.nodes[slot / kWidth].child[slot % kWidth];
+        if ((child & LightBvhNode::kLight) != 0) return first_[slot] + 1;
+        std::uint32_t last = kWidth - 1;
+        while (bvh.nodes[child].child[last] == LightBvhNode::kEmpty) --last;
+        slot = child * kWidth + last;
     }
 }
 

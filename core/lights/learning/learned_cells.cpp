@@ -13,8 +13,6 @@ namespace {
 constexpr float kFirstSize = 0x1p-2f;
 /// A cell that this many points are met in, per round, is divided.
 constexpr std::uint32_t kCrowd = 200;
-/// No more cells than these are made: points are sorted by theirs in 20 bits.
-constexpr std::size_t kMostCells = (std::size_t{1} << 20) - 1;
 /// Cells are worked on in blocks of this many.
 constexpr std::size_t kBlock = 16;
 

@@ -9,6 +9,7 @@
 #include <memory>
 #include <vector>
 
+#include "base/bytes.h"
 #include "lights/groups/light_groups.h"
 #include "lights/learning/cell_grid.h"
 #include "lights/learning/cluster_cut.h"
@@ -29,6 +30,8 @@ struct LearnedLights {
         : frame(f), groups(std::move(g)), leaves(groups->bvh) {}
 
     const LightBvh<MeansNode>& bvh() const noexcept { return groups->bvh; }
+    /// A hash of all that cells know of the lights.
+    std::uint64_t digest() const noexcept;
 };
 
 /// Bounds on learning.
@@ -81,6 +84,12 @@ class LearnedCells {
     /// True if the next learn() may change the cells.
     bool due() const noexcept;
 
+    /// Writes all that learning goes on from, reports included.
+    void save(ByteWriter& out) const;
+    /// Cells that go on as those did which were saved. Null for what makes no sense for the lights.
+    static std::shared_ptr<LearnedCells> load(ByteReader& in, const LearningLimits& limits,
+                                              const LearnedLights& lights);
+
     std::size_t memory_size() const noexcept;
 
   private:
@@ -90,6 +99,8 @@ class LearnedCells {
         std::atomic<std::uint64_t> of[ClusterCut::kMaxSize]{};
     };
     static constexpr float kParts = 64.0f;
+    /// Points are sorted by their cell in 20 bits.
+    static constexpr std::uint32_t kMostCells = (1u << 20) - 1;
 
     void take_reports();
     /// Lets finer cells be made within a cell, if there are any.
@@ -99,6 +110,8 @@ class LearnedCells {
     /// Adds a cell, without its cut; returns the one that it is part of, or kNone.
     std::uint32_t add_cell(const MetCell& met);
     std::size_t room() const noexcept;
+    void save_cell(ByteWriter& out, std::uint32_t cell) const;
+    bool load_cell(ByteReader& in, const LearnedLights& lights);
 
     LearningLimits limits_;
     CellLattice lattice_;

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <utility>
+#include <vector>
 
 #include "base/float3_math.h"
 
@@ -92,7 +93,7 @@ struct Checks {
                std::uint32_t light) const {
         const char* fault = fault_of(point, inner.set_count());
         if (fault == nullptr && light >= light_count) fault = "there is no light of that index";
-        if (fault == nullptr && (receipt.key >> 31) == 0 && receipt.key >= inner.set_count()) {
+        if (fault == nullptr && !inner.knows(receipt)) {
             fault = "the receipt is of another sampler";
         }
         if (!passes("prob()", fault, 0)) return 0.0f;
@@ -121,6 +122,7 @@ class CheckedPass final : public LightSelector {
         inner_->report(outcomes);
     }
     bool wants_reports() const noexcept override { return inner_->wants_reports(); }
+    bool knows(const Receipt& receipt) const noexcept override { return inner_->knows(receipt); }
     std::uint32_t set_count() const noexcept override { return inner_->set_count(); }
 
   private:
@@ -164,7 +166,13 @@ class CheckedSampler final : public LightSampler {
         inner_->report(outcomes);
     }
     void drop_reports() noexcept override { inner_->drop_reports(); }
+    std::vector<std::uint8_t> learned() const override { return inner_->learned(); }
+    void restore_learned(Span<const std::uint8_t> bytes) override {
+        inner_->restore_learned(bytes);
+        has_pass_ = false;
+    }
     bool wants_reports() const noexcept override { return inner_->wants_reports(); }
+    bool knows(const Receipt& receipt) const noexcept override { return inner_->knows(receipt); }
     std::uint32_t set_count() const noexcept override { return inner_->set_count(); }
 
   private:

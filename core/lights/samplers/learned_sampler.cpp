@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/bytes.h"
 #include "base/parallel_blocks.h"
 #include "base/radix_sort.h"
 #include "base/refine.h"
@@ -90,6 +91,10 @@ class LearnedPass final : public LightSelector, public SamplerInfo {
     }
 
     bool wants_reports() const noexcept override { return cells_->learning(); }
+
+    bool knows(const Receipt& receipt) const noexcept override {
+        return is_cell(receipt) ? cell_of(receipt) < cells_->size() : fallback_->knows(receipt);
+    }
 
     std::uint32_t set_count() const noexcept override { return fallback_->set_count(); }
 
@@ -251,6 +256,31 @@ class LearnedSampler final : public LightSampler, public SamplerInfo {
     }
     void drop_reports() noexcept override { cells_->drop_reports(); }
 
+    std::vector<std::uint8_t> learned() const override {
+        ByteWriter out;
+        out.write(kStateVersion);
+        out.write(lights_->digest());
+        out.write(passes_);
+        cells_->save(out);
+        return out.take();
+    }
+    void restore_learned(Span<const std::uint8_t> bytes) override {
+        ByteReader in(bytes);
+        if (in.read<std::uint64_t>() != kStateVersion) {
+            throw Error("learned: these bytes are of another version, or no state at all");
+        }
+        if (in.read<std::uint64_t>() != lights_->digest()) {
+            throw Error("learned: this state was learned over other lights");
+        }
+        const auto passes = in.read<std::uint64_t>();
+        std::shared_ptr<LearnedCells> cells = LearnedCells::load(in, limits_, *lights_);
+        if (cells == nullptr) throw Error("learned: this state makes no sense");
+        passes_ = passes;
+        current_.reset();
+        cells_ = std::move(cells);
+        renew();
+    }
+
     using LightSampler::select;
     Selection select(const ShadingPoint& point, float u) const noexcept override {
         return current_->select(point, u);
@@ -271,6 +301,7 @@ class LearnedSampler final : public LightSampler, public SamplerInfo {
         constexpr std::uint32_t kAll = 32, kOneIn = 4;
         return cells_->learning() && (cells_->round() < kAll || passes_ % kOneIn == 0);
     }
+    bool knows(const Receipt& receipt) const noexcept override { return current_->knows(receipt); }
     std::uint32_t set_count() const noexcept override { return culled_->set_count(); }
     SelectionCounts count(const ShadingPoint& point) const noexcept override {
         return current_->count(point);
@@ -278,6 +309,8 @@ class LearnedSampler final : public LightSampler, public SamplerInfo {
     std::size_t memory_size() const noexcept override { return current_->memory_size(); }
 
   private:
+    static constexpr std::uint64_t kStateVersion = 0x31306c6c7563u;
+
     void renew() { current_ = std::make_unique<LearnedPass>(culled_, lights_, cells_); }
 
     std::shared_ptr<CulledSamplerBase> culled_;

@@ -22,6 +22,10 @@ LightUpdate LightSampler::update(Span<const Light>, float) {
     throw Error("update: this sampler takes no changed lights");
 }
 
+void LightSampler::restore_learned(Span<const std::uint8_t>) {
+    throw Error("restore_learned: this sampler does not learn");
+}
+
 const SamplerInfo* sampler_info(const LightSelector& sampler) noexcept {
     return dynamic_cast<const SamplerInfo*>(&sampler);
 }

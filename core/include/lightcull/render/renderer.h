@@ -45,6 +45,7 @@ struct RenderState {
     RenderStats stats;
     std::vector<double>
         sums;  ///< sums over the passes, linear RGB, row 0 at the top: height * width * 3
+    std::vector<std::uint8_t> learned;  ///< LightSampler::learned() of the sampler
 };
 
 /// The memory that a renderer keeps, bytes; the scene is not in it.
