@@ -25,6 +25,8 @@ ENTRIES = ("batch", "single")
 _REPETITIONS = 5
 _MAX_DEPTH = 4
 """Longest path of the renderer that is imitated: samplers are calibrated for two bounces."""
+_ROUNDS = 24
+"""In which a sampler that learns does so, before it is measured."""
 _MOST_WORK = 1e8
 """Lights weighed in one repetition by a sampler that weighs them all."""
 
@@ -55,6 +57,8 @@ class Row:
     shadow_ray_ns: float | None
     """Of one shadow ray from these points to the lights that the sampler chose; None: it chose
     none."""
+    rays_arrived: float | None
+    """Share of those that reach their light."""
     nodes_per_point: float
     """Tree nodes visited for a point."""
     lights_tested_per_point: float
@@ -64,6 +68,10 @@ class Row:
     none."""
     build_seconds: float
     """Of the sampler, calibration included."""
+    cells: int
+    """Of a sampler that learns, after 24 rounds at these points and those before; 0: it does not."""
+    publish_seconds: float
+    """Of begin_pass(), mean of these rounds: it makes what was reported count."""
     bytes_per_light: float
     """Memory that the sampler keeps."""
 
@@ -129,6 +137,8 @@ class _Times:
     """Of one, by entry."""
     shadow_ray: list[float] = field(default_factory=list)
     """Of one."""
+    arrived: list[float] = field(default_factory=list)
+    """Share of shadow rays."""
 
 
 class _Contender:
@@ -144,6 +154,8 @@ class _Contender:
         )
         self._kind = ""
         self._batches: list[_core.BenchPoints] = []
+        self._publish_seconds = 0.0
+        self._round = 0
 
     def take_points(self, kind: str) -> None:
         """Goes on with points of this kind."""
@@ -157,6 +169,18 @@ class _Contender:
             batches = [batch.thinned(int(_MOST_WORK / self._light_count)) for batch in batches]
         self._kind = kind
         self._batches = [batch for batch in batches if len(batch) > 0]
+        self._learn()
+
+    def _learn(self) -> None:
+        if not self._timed.wants_reports():
+            return
+        seconds = 0.0
+        for _ in range(_ROUNDS):
+            self._round += 1
+            for batch in self._batches:
+                self._timed.learn(batch, self._round)
+            seconds += self._timed.begin_pass(self._round)
+        self._publish_seconds = seconds / _ROUNDS
 
     @property
     def point_count(self) -> int:
@@ -170,11 +194,12 @@ class _Contender:
             single = sum(map(self._timed.select_single, self._batches))
             times.selection["single"].append(single / self.point_count)
         rays = [self._timed.trace_shadow_rays(points) for points in self._batches]
-        ray_count = sum(count for _, count in rays)
+        ray_count = sum(count for _, count, _ in rays)
         times.refit.append(refit)
         times.selection["batch"].append(batch / self.point_count)
         if ray_count > 0:
-            times.shadow_ray.append(sum(seconds for seconds, _ in rays) / ray_count)
+            times.shadow_ray.append(sum(seconds for seconds, _, _ in rays) / ray_count)
+            times.arrived.append(sum(arrived for _, _, arrived in rays) / ray_count)
 
     def rows(self, target: str, times: _Times) -> list[Row]:
         nodes, lights_tested = self._mean_counts()
@@ -192,10 +217,13 @@ class _Contender:
                 ns_per_selection=1e9 * median(seconds),
                 selections_per_second=1 / median(seconds),
                 shadow_ray_ns=1e9 * median(times.shadow_ray) if times.shadow_ray else None,
+                rays_arrived=median(times.arrived) if times.arrived else None,
                 nodes_per_point=nodes,
                 lights_tested_per_point=lights_tested,
                 refit_ns_per_light=1e9 * median(times.refit) / (self._light_count * sets),
                 build_seconds=self._timed.build_seconds(),
+                cells=self._timed.cell_count(),
+                publish_seconds=self._publish_seconds,
                 bytes_per_light=self._timed.memory_size() / self._light_count,
             )
             for entry, seconds in times.selection.items()

@@ -23,6 +23,7 @@
 #include <memory>
 #include <random>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -45,7 +46,12 @@ double seconds_of(const Action& action) {
 struct BenchPoints {
     explicit BenchPoints(std::vector<ShadingPoint> p)
         : points(std::move(p)), u(points.size()), selections(points.size()) {
-        std::mt19937 random;  // NOLINT: the same numbers in every run
+        draw(0);
+    }
+
+    /// Draws the random numbers of a round: the same in every run.
+    void draw(std::uint32_t round) {
+        std::mt19937 random(round);
         for (float& number : u) number = static_cast<float>(random() >> 8) * 0x1p-24f;
     }
 
@@ -98,12 +104,34 @@ class TimedSampler {
         });
     }
 
-    /// The seconds that shadow rays take, and their number: they go from the points to the lights
-    /// chosen for them last.
-    std::pair<double, std::size_t> trace_shadow_rays(const BenchPoints& points) const {
+    /// The seconds that shadow rays take, their number, and how many arrive: they go from the
+    /// points to the lights chosen for them last.
+    std::tuple<double, std::size_t, std::size_t> trace_shadow_rays(
+        const BenchPoints& points) const {
         const ShadowRays rays(*scene_, points.points, points.selections);
-        const double seconds = timed([&] { rays.trace(); });
-        return {seconds, rays.size()};
+        std::size_t arrived = 0;
+        const double seconds = timed([&] { arrived = rays.trace(); });
+        return {seconds, rays.size(), arrived};
+    }
+
+    bool wants_reports() const noexcept { return sampler_->wants_reports(); }
+
+    /// Selects for the points by random numbers of `round`, and reports what shadow rays find.
+    void learn(BenchPoints& points, std::uint32_t round) const {
+        points.draw(round);
+        select_batch(points);
+        const ShadowRays rays(*scene_, points.points, points.selections);
+        std::vector<std::uint8_t> arrived(rays.size());
+        timed([&] { rays.trace(arrived); });
+        std::vector<LightOutcome> outcomes;
+        for (std::size_t i = 0; i < points.points.size(); ++i) {
+            const Selection& s = points.selections[i];
+            if (!(s.prob > 0.0f)) continue;
+            const float visibility = arrived[outcomes.size()] != 0 ? 1.0f : 0.0f;
+            outcomes.push_back({points.points[i].position, points.points[i].normal, s.receipt,
+                                s.light, visibility});
+        }
+        sampler_->report(outcomes);
     }
 
     std::unique_ptr<BenchPoints> path_points(std::uint32_t depth) const {
@@ -131,6 +159,7 @@ class TimedSampler {
 
     double build_seconds() const noexcept { return build_seconds_; }
     std::uint32_t set_count() const noexcept { return sampler_->set_count(); }
+    std::size_t cell_count() const noexcept { return sampler_info(*sampler_)->cell_count(); }
     std::size_t memory_size() const noexcept { return sampler_info(*sampler_)->memory_size(); }
 
   private:
@@ -187,6 +216,9 @@ void bind_bench(py::module_& module) {
         .def("select_batch", &TimedSampler::select_batch, Released())
         .def("select_single", &TimedSampler::select_single, Released())
         .def("trace_shadow_rays", &TimedSampler::trace_shadow_rays, Released())
+        .def("wants_reports", &TimedSampler::wants_reports)
+        .def("learn", &TimedSampler::learn, Released())
+        .def("cell_count", &TimedSampler::cell_count)
         .def("path_points", &TimedSampler::path_points, Released())
         .def("points", &points_from)
         .def("counts", &TimedSampler::counts, Released())

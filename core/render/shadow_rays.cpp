@@ -68,13 +68,16 @@ std::size_t ShadowRays::size() const noexcept {
     return impl_->rays.size();
 }
 
-std::size_t ShadowRays::trace() const {
+std::size_t ShadowRays::trace(Span<std::uint8_t> arrived) const {
     const Span<const Ray> rays(impl_->rays);
     return tbb::parallel_reduce(
         tbb::blocked_range<std::size_t>(0, rays.size(), kChunk), std::size_t{0},
         [&](const tbb::blocked_range<std::size_t>& range, std::size_t reached) {
             std::vector<std::uint8_t> occluded(range.size());
             impl_->tracer.occluded({rays.data() + range.begin(), range.size()}, occluded);
+            for (std::size_t i = 0; !arrived.empty() && i < range.size(); ++i) {
+                arrived[range.begin() + i] = occluded[i] == 0 ? 1 : 0;
+            }
             return reached + static_cast<std::size_t>(
                                  std::count(occluded.begin(), occluded.end(), std::uint8_t{0}));
         },

@@ -69,8 +69,9 @@ struct Method {
     bool one_pass;
 };
 
-constexpr std::array<Method, 6> kMethods{
+constexpr std::array<Method, 7> kMethods{
     {{"whole passes, 64 sets", whole_passes, "culled:sets=64", false},
+     {"whole passes, learned", whole_passes, "learned", false},
      {"tiles, 4096 sets", tiles, "culled:sets=4096", false},
      {"tiles, a pass each 64 samples, 64 sets", tiles, "culled:sets=64", false},
      {"tiles, own pass each 16 samples, 64 sets", rounds, "culled:sets=64", false},

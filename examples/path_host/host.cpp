@@ -153,6 +153,7 @@ void render_whole_passes(const Scene& scene, LightSampler& sampler, const Job& j
     std::vector<Selection> selections;
     for (std::uint32_t sample = job.first_sample; sample < job.end_sample; ++sample) {
         sampler.begin_pass(mix(job.seed) + sample);
+        const bool reports = sampler.wants_reports();  // of a sampler that learns what is hidden
         alive.resize(paths.size());
         for (std::uint32_t pixel = 0; pixel < paths.size(); ++pixel) alive[pixel] = pixel;
         tbb::parallel_for(std::size_t{0}, paths.size(), [&](std::size_t pixel) {
@@ -181,8 +182,15 @@ void render_whole_passes(const Scene& scene, LightSampler& sampler, const Job& j
             });
             sampler.select(points, u, selections);  // on all threads
             advance(alive, [&](std::size_t i, std::uint32_t pixel) {
-                add_light(scene, selections[i], paths[pixel]);
-                return leave(points[i], selections[i], paths[pixel]);
+                const ShadingPoint& point = points[i];
+                const auto visibility = add_light(scene, selections[i], paths[pixel]);
+                if (reports && visibility) {
+                    const lightcull::LightOutcome outcome{point.position, point.normal,
+                                                          selections[i].receipt,
+                                                          selections[i].light, *visibility};
+                    sampler.report({&outcome, 1});
+                }
+                return leave(point, selections[i], paths[pixel]);
             });
         }
         for (std::size_t pixel = 0; pixel < paths.size(); ++pixel) {

@@ -86,8 +86,9 @@ ShadingPoint shading_point(const Path& path, std::uint32_t set) {
     return point;
 }
 
-void add_light(const Scene& scene, const Selection& selection, Path& path) {
+std::optional<float> add_light(const Scene& scene, const Selection& selection, Path& path) {
     const Surface& surface = path.surface;
+    std::optional<float> visibility;
     // prob is 0 where no light was chosen. That is no error: it is a sample that brings nothing.
     if (selection.prob > 0.0f) {
         const Emitter& emitter = scene.emitters()[selection.light];
@@ -97,8 +98,11 @@ void add_light(const Scene& scene, const Selection& selection, Path& path) {
         const float3 direction = (1.0f / distance) * to_vertex;
         const float area_cosine = -dot(emitter.normal_times_area(), direction);
         const float3 bsdf = surface.bsdf_cosine(direction);
-        if (area_cosine > 0.0f && luminance(bsdf) > 0.0f &&
-            scene.is_free({path.position, direction}, 0.999f * distance)) {
+        if (area_cosine > 0.0f && luminance(bsdf) > 0.0f) {
+            const bool is_free = scene.is_free({path.position, direction}, 0.999f * distance);
+            visibility = is_free ? 1.0f : 0.0f;
+        }
+        if (visibility == 1.0f) {
             const float vertex_pdf = distance * distance / area_cosine;  // by solid angle
             // We divide by prob, and weigh by mis_prob. For most samplers they are the same.
             const float weight =
@@ -116,6 +120,7 @@ void add_light(const Scene& scene, const Selection& selection, Path& path) {
         path.radiance = path.radiance +
                         scale * path.weight * surface.bsdf_cosine(direction) * scene.sky(direction);
     }
+    return visibility;
 }
 
 bool leave(const ShadingPoint& point, const Selection& selection, Path& path) {

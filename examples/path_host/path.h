@@ -6,6 +6,7 @@
 #include <lightcull/light_sampler.h>
 
 #include <cstdint>
+#include <optional>
 
 #include "host.h"
 #include "surface.h"
@@ -39,8 +40,11 @@ bool arrive(const Scene& scene, const lightcull::LightSelector& selector, std::u
 /// The surface where the path is, as lightcull wants to know it.
 lightcull::ShadingPoint shading_point(const Path& path, std::uint32_t set);
 
-/// Does light sampling: adds light from the emitter that was selected, and from the sky.
-void add_light(const Scene& scene, const lightcull::Selection& selection, Path& path);
+/// Does light sampling: adds light from the emitter that was selected, and from the sky. Returns
+/// what the shadow ray to the emitter found, 1 if it is visible and 0 if not; nothing if there was
+/// no such ray.
+std::optional<float> add_light(const Scene& scene, const lightcull::Selection& selection,
+                               Path& path);
 
 /// Does BSDF sampling: makes the next ray, which takes along what MIS will ask for. False where the
 /// path ends.

@@ -21,8 +21,9 @@ SIZE = (32, 24)
 KEYS = {
     "scene": str, "lights": int, "points": str, "sampler": str, "device": str, "entry": str,
     "target": str, "threads": int, "ns_per_selection": float, "selections_per_second": float,
-    "shadow_ray_ns": float, "nodes_per_point": float, "lights_tested_per_point": float,
+    "shadow_ray_ns": float, "rays_arrived": float, "nodes_per_point": float, "lights_tested_per_point": float,
     "refit_ns_per_light": float, "build_seconds": float, "bytes_per_light": float,
+    "cells": int, "publish_seconds": float,
 }  # fmt: skip
 """What scripts read."""
 
@@ -70,6 +71,16 @@ def test_work_is_counted(rows: list[Row]) -> None:
         for count in (1, 2)
     ]
     assert by_threads[0] == by_threads[1]
+
+
+def test_a_sampler_that_learns_does_so_before_it_is_measured() -> None:
+    rows = list(bench(make_room(), ["learned", "culled"], size=SIZE, threads=(1,)))
+    culled = [row for row in rows if row.sampler == "culled"]
+    assert all(row.cells == 0 and row.publish_seconds == 0 for row in culled)
+    for row in rows:
+        assert row.rays_arrived is not None and 0 < row.rays_arrived <= 1
+        if row.sampler == "learned":
+            assert row.cells > 0 and row.publish_seconds > 0
 
 
 def test_points_are_those_of_the_renderer() -> None:

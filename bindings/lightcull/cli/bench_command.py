@@ -53,7 +53,7 @@ def _bench(scene: Scene, options: BenchOptions, messages: Console, rows: list[Ro
         _print(rows[first:])
 
 
-_COLUMNS = ("batch", "per s", "single", "ray", "nodes", "lights", "refit", "build s", "B/light")
+_COLUMNS = ("batch", "per s", "single", "ray", "arrive", "nodes", "lights", "refit", "build s", "B/light")
 
 
 def _print(rows: Sequence[Row]) -> None:
@@ -84,6 +84,7 @@ def _cells(entries: Sequence[Row]) -> Iterator[str]:
     yield _short(batch.selections_per_second)
     yield _short(single[0].ns_per_selection) if single else "-"
     yield "-" if batch.shadow_ray_ns is None else _short(batch.shadow_ray_ns)
+    yield "-" if batch.rays_arrived is None else f"{batch.rays_arrived:.0%}"
     yield f"{batch.nodes_per_point:.1f}"
     yield _short(batch.lights_tested_per_point, decimals=1)
     yield _short(batch.refit_ns_per_light, decimals=2)

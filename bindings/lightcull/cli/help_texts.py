@@ -99,6 +99,7 @@ Times are wall time, the median of five repetitions in which the samplers take t
   per s    selections of batches per second, to hold a device against the processor
   single   nanoseconds of a selection, one point to a call; the pass's refit is not in it
   ray      nanoseconds of one shadow ray from these points to the lights that the sampler chose
+  arrive   share of those rays that reach their light
   refit    nanoseconds of a pass's refit, per light and set of ranges; about 0 where there is none
   build s  the build of the sampler, calibration included
 Counts: tree nodes visited and lights tested per point. B/light: memory of the sampler.
@@ -106,8 +107,9 @@ Points are what camera rays hit; scattered: what paths hit after one bounce and 
 anywhere in the scene's bounds. exhaustive has fewer points where there are many lights. --json
 writes a list of rows with the keys scene, lights, points (camera, scattered, uniform), sampler,
 device, entry (batch, single), target, threads, ns_per_selection, selections_per_second,
-shadow_ray_ns, nodes_per_point, lights_tested_per_point, refit_ns_per_light, build_seconds and
-bytes_per_light. All of it takes half an hour or so; a scene takes one or two minutes."""
+shadow_ray_ns, rays_arrived, nodes_per_point, lights_tested_per_point, refit_ns_per_light,
+build_seconds, bytes_per_light, cells and publish_seconds (of a sampler that learns: after 24 rounds of
+reports at these points). All of it takes half an hour or so; a scene takes one or two minutes."""
 
 INFO = """\
 examples:

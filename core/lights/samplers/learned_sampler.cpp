@@ -116,6 +116,7 @@ class LearnedPass final : public LightSelector, public SamplerInfo {
         return sampler_info(*fallback_)->memory_size() + lights_->leaves.memory_size() +
                cells_->memory_size();
     }
+    std::size_t cell_count() const noexcept override { return cells_->size(); }
 
   private:
     static constexpr std::size_t kBlock = 8192;
@@ -307,6 +308,7 @@ class LearnedSampler final : public LightSampler, public SamplerInfo {
         return current_->count(point);
     }
     std::size_t memory_size() const noexcept override { return current_->memory_size(); }
+    std::size_t cell_count() const noexcept override { return cells_->size(); }
 
   private:
     static constexpr std::uint64_t kStateVersion = 0x31306c6c7563u;

@@ -6,6 +6,7 @@
 #include <lightcull/span.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 
 namespace lightcull {
@@ -22,8 +23,9 @@ class LIGHTCULL_EXPORT ShadowRays {
 
     std::size_t size() const noexcept;
 
-    /// Traces all of them, in the caller's TBB arena. Returns how many reach their light.
-    std::size_t trace() const;
+    /// Traces all of them, in the caller's TBB arena. Returns how many reach their light. arrived:
+    /// empty, or of size(): where a flag for each is written.
+    std::size_t trace(Span<std::uint8_t> arrived = {}) const;
 
   private:
     struct Impl;
