@@ -26,12 +26,12 @@ std::uint32_t ClusterCut::place_of_leaf(std::uint32_t leaf) const noexcept {
 }
 
 CutChoice choose(const CutWeights& weights, std::uint32_t size, double number) noexcept {
-    constexpr std::uint32_t kStride = CutWeights::kStride;
+    constexpr std::size_t kStride = CutWeights::kStride;
     double left = number * static_cast<double>(weights.total());
     // Down the sums: rounding may leave a little at the end, which falls to what has any weight.
     const float* sums = weights.sums + 2 * kStride - 2;
-    std::uint32_t column = 0;
-    for (std::uint32_t half = 1; half < kStride; half *= 2) {
+    std::size_t column = 0;
+    for (std::size_t half = 1; half < kStride; half *= 2) {
         sums -= 2 * half;
         const auto first = static_cast<double>(sums[column]);
         const bool second = left >= first && sums[column + half] > 0.0f;
@@ -41,8 +41,8 @@ CutChoice choose(const CutWeights& weights, std::uint32_t size, double number) n
     // The last cluster with any weight that begins before the place; without branches, which nobody
     // can predict.
     double sum = 0.0, before = 0.0, weight = 1.0;
-    std::uint32_t chosen = column;
-    for (std::uint32_t i = column; i < size; i += kStride) {
+    std::size_t chosen = column;
+    for (std::size_t i = column; i < size; i += kStride) {
         const auto w = static_cast<double>(weights.of[i]);
         const bool take = w > 0.0 && sum <= left;
         chosen = take ? i : chosen;
@@ -51,7 +51,8 @@ CutChoice choose(const CutWeights& weights, std::uint32_t size, double number) n
         sum += w;
     }
     constexpr double kBelowOne = 1.0 - 0x1p-53;
-    return {chosen, std::clamp((left - before) / weight, 0.0, kBelowOne)};
+    return {static_cast<std::uint32_t>(chosen),
+            std::clamp((left - before) / weight, 0.0, kBelowOne)};
 }
 
 }  // namespace lightcull

@@ -27,7 +27,7 @@ struct alignas(64) ClusterCut : ClusterMeans<128> {
 
 /// The weights of the clusters of a cut at a receiver: importance by `visible`; and their sums.
 struct alignas(64) CutWeights {
-    static constexpr std::uint32_t kStride = 16;
+    static constexpr std::size_t kStride = 16;
 
     float of[ClusterCut::kMaxSize];  ///< weights, by place in the cut
     /// At first the sums over every kStride-th place, from each of the first on; then, in turn, as

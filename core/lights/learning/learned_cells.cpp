@@ -1,6 +1,7 @@
 #include "lights/learning/learned_cells.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/float3_math.h"
 #include "base/memory_size.h"
@@ -88,7 +89,7 @@ void LearnedCells::report(const LearnedLights& lights, const LightOutcome& outco
     if (cell != kNone) {
         const std::uint32_t leaf = lights.leaves.first(lights.bvh().slots[outcome.light]);
         const std::uint32_t place = cuts_[cell].place_of_leaf(leaf);
-        const auto hits = static_cast<std::uint64_t>(outcome.visibility * kParts + 0.5f);
+        const auto hits = static_cast<std::uint64_t>(std::lround(outcome.visibility * kParts));
         fresh_[cell].of[place].fetch_add((hits << 32) + 1, std::memory_order_relaxed);
         if (!tree_.is_divided(cell)) return;
     }
@@ -187,6 +188,7 @@ void LearnedCells::make_cells(const LearnedLights& lights) {
     if (met.empty()) return;
     const std::size_t first = size();
     std::vector<std::uint32_t> parents;
+    parents.reserve(met.size());
     for (const MetCell& cell : met) parents.push_back(add_cell(cell));
     cuts_.resize(size());
     evidence_.resize(size());

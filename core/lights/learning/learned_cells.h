@@ -9,7 +9,7 @@
 #include <memory>
 #include <vector>
 
-#include "base/bytes.h"
+#include "base/byte_stream.h"
 #include "lights/groups/light_groups.h"
 #include "lights/learning/cell_grid.h"
 #include "lights/learning/cluster_cut.h"

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/bytes.h"
+#include "base/byte_stream.h"
 #include "base/parallel_blocks.h"
 #include "base/radix_sort.h"
 #include "base/refine.h"
@@ -328,15 +328,13 @@ class LearnedSampler final : public LightSampler, public SamplerInfo {
 std::unique_ptr<LightSampler> make_learned_sampler(const LearnedOptions& options,
                                                    Span<const Light> lights,
                                                    const SamplerContext& context) {
-    std::unique_ptr<LightSampler> culled = make_culled_sampler({}, lights, context);
-    auto* const base = dynamic_cast<CulledSamplerBase*>(culled.get());
+    const std::shared_ptr<LightSampler> culled = make_culled_sampler({}, lights, context);
+    auto base = std::dynamic_pointer_cast<CulledSamplerBase>(culled);
     if (base == nullptr) {
         throw Error("learned: glossy points are among the lights, for which there is culled");
     }
-    culled.release();
     return std::make_unique<LearnedSampler>(
-        std::shared_ptr<CulledSamplerBase>(base),
-        LearningLimits{std::size_t{options.memory_mib} << 20, options.rounds});
+        std::move(base), LearningLimits{std::size_t{options.memory_mib} << 20, options.rounds});
 }
 
 }  // namespace lightcull
