@@ -23,9 +23,6 @@ VERSION = re.search(r'VERSION_STRING "(.*)"', (INCLUDE / "lightcull/version.h").
 # What the path tracer and the image library are built with; PkgConfig finds most of it.
 RENDER_PACKAGES = ["embree", "PkgConfig", "OpenImageIO", "OpenColorIO", "Imath"]
 
-# One at a time: they build in folders that they share.
-pytestmark = pytest.mark.xdist_group("packaging")
-
 
 def attempt(*command, cwd=None):
     return subprocess.run(
