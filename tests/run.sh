@@ -15,9 +15,11 @@ run() {
     "$@" || failed+=("$name")
 }
 
-# One after the other: many of them keep all processors busy by themselves.
-run ctest ctest --test-dir "$root/build" --output-on-failure
+# Two at a time: many of them keep all processors busy by themselves, but not all the time.
+run ctest ctest --test-dir "$root/build" --output-on-failure --parallel 2
+# The tests of a file stay in one process: they share what is slow to make, and folders to build in.
 run pytest "$root/build/venv/bin/python" -m pytest -o cache_dir="$root/build/pytest-cache" \
+    --numprocesses 2 --dist loadfile \
     "$root/tests/python" "$root/tests/hard_cases" "$root/tests/hosts" "$root/tests/packaging"
 run asan "$root/tests/sanitizers/run.sh" asan
 run fuzz "$root/tests/fuzz/run.sh" "$root/build/fuzz" "$root/build/venv/bin/python"

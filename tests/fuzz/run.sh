@@ -43,9 +43,15 @@ fuzz() {
 
 export PYTHONPATH=$here PYTHONDONTWRITEBYTECODE=1 TMPDIR=$work
 PYTHONPATH+=:$("$python" -c 'import sysconfig; print(sysconfig.get_paths()["purelib"])')
-failed=0
-fuzz sampler 3000 fuzz_sampler || failed=1
+# All at once: each keeps one processor busy.
+fuzz sampler 3000 fuzz_sampler &
+running=($!)
 for ending in glb gltf obj ply; do
-    FUZZ_ENDING=.$ending fuzz "$ending" 3000 fuzz_loader || failed=1
+    FUZZ_ENDING=.$ending fuzz "$ending" 3000 fuzz_loader &
+    running+=($!)
+done
+failed=0
+for one in "${running[@]}"; do
+    wait "$one" || failed=1
 done
 exit "$failed"

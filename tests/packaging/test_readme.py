@@ -131,11 +131,11 @@ def test_commands_have_the_options_that_are_shown(command, options, tmp_path):
 
 def links():
     for page in PAGES:
-        for target in set(re.findall(r"\]\(([^):]+)\)", page.read_text())):
+        for target in sorted(set(re.findall(r"\]\(([^):]+)\)", page.read_text()))):
             yield pytest.param(page, target, id=f"{page.name}: {target}")
 
 
-@pytest.mark.parametrize("page, target", links())
+@pytest.mark.parametrize("page, target", list(links()))
 def test_links_lead_somewhere(page, target):
     path, _, anchor = target.partition("#")
     other = (page.parent / path).resolve() if path else page

@@ -2,9 +2,7 @@
 
 namespace lightcull::testing {
 
-/// True if the thread sanitizer instruments this build. Code runs some thirty times slower in it,
-/// and what is repeated to find a rare wrong number shows it no more races than the first few times
-/// do.
+/// True if the thread sanitizer instruments this build.
 #if defined(__SANITIZE_THREAD__)
 inline constexpr bool kThreadSanitizer = true;
 #elif defined(__clang__)
@@ -21,5 +19,13 @@ inline constexpr bool kAddressSanitizer = __has_feature(address_sanitizer);
 #else
 inline constexpr bool kAddressSanitizer = false;
 #endif
+
+/// How often a test repeats what finds a rare wrong number, or makes a mean precise: `few` times
+/// under a sanitizer. Code runs some thirty times slower there, and later times show it no more
+/// races, or bad memory accesses, than the first few do.
+template <typename Count>
+constexpr Count repetitions(Count many, Count few) {
+    return kThreadSanitizer || kAddressSanitizer ? few : many;
+}
 
 }  // namespace lightcull::testing

@@ -1,5 +1,6 @@
 #include "base/random.h"
 #include "unit/render/render_support.h"
+#include "unit/sanitizer.h"
 
 #include <doctest/doctest.h>
 
@@ -17,6 +18,9 @@ using statistics::Estimate;
 namespace {
 
 constexpr std::uint32_t kEdge = 32, kBlock = 8;
+
+/// The share of all passes that is made.
+constexpr double kShare = lightcull::testing::repetitions(1.0, 0.25);
 
 /// Lamps of many powers over a floor, boxes of wall around it.
 std::shared_ptr<const Scene> hall(const Material& floor_material, bool only_areas, bool sky) {
@@ -69,7 +73,8 @@ RenderSettings settings_of(DirectLight technique, std::uint32_t max_depth, std::
 std::vector<Estimate> blocks(const std::shared_ptr<const Scene>& scene,
                              const RenderSettings& settings, std::unique_ptr<LightSampler> sampler,
                              std::uint32_t passes) {
-    return render_blocks(scene, settings, std::move(sampler), passes, kBlock);
+    const auto made = static_cast<std::uint32_t>(kShare * passes);
+    return render_blocks(scene, settings, std::move(sampler), made, kBlock);
 }
 
 std::vector<Estimate> blocks(const std::shared_ptr<const Scene>& scene,
@@ -82,9 +87,9 @@ bool agree(const std::vector<Estimate>& a, const std::vector<Estimate>& b) {
     return statistics::worst_p(a, b) > statistics::least_p();
 }
 
-/// The error of the image's mean, relative to it.
+/// The error of the image's mean, relative to it, were all passes made.
 double relative_error(const std::vector<Estimate>& blocks) {
-    return std::sqrt(blocks.back().variance) / blocks.back().mean;
+    return std::sqrt(kShare * blocks.back().variance) / blocks.back().mean;
 }
 
 enum class NaiveRule { kZero, kAcceptedOnly };

@@ -1,4 +1,5 @@
 #include "unit/render/render_support.h"
+#include "unit/sanitizer.h"
 #include "virtual_lights/tiles/tiled_lighting.h"
 
 #include <lightcull/error.h>
@@ -58,13 +59,15 @@ TEST_CASE("over virtual lights culled gives the mean of exhaustive, from sharp t
         CHECK(std::count_if(lights.begin(), lights.end(), is_glossy) > 20);
         CHECK(lights.size() > 300);
 
-        const std::vector<Estimate> exact = blocks(scene, "exhaustive", 300);
+        constexpr std::uint32_t kPasses = lightcull::testing::repetitions(300, 75);
+        const std::vector<Estimate> exact = blocks(scene, "exhaustive", kPasses);
         for (const char* sampler : {"culled:accepted=8", "culled:accepted=40:sets=4"}) {
             CAPTURE(sampler);
-            CHECK(statistics::worst_p(blocks(scene, sampler, 301), exact) > statistics::least_p());
+            CHECK(statistics::worst_p(blocks(scene, sampler, kPasses + 1), exact) >
+                  statistics::least_p());
         }
         // The test sees an image that is too dark.
-        CHECK(statistics::worst_p(blocks(scene, "clamped:accepted=8", 302), exact) <
+        CHECK(statistics::worst_p(blocks(scene, "clamped:accepted=8", kPasses + 2), exact) <
               statistics::least_p());
     }
 }

@@ -1,6 +1,7 @@
 #include "base/random.h"
 #include "lights/ranges/ranges.h"
 #include "unit/render/render_support.h"
+#include "unit/sanitizer.h"
 #include "virtual_lights/paths/light_paths.h"
 #include "virtual_lights/tiles/tiled_lighting.h"
 
@@ -116,6 +117,7 @@ bool same(const std::vector<float3>& a, const std::vector<float3>& b) {
 
 TEST_CASE("vpl_culled equals vpl_all in the mean, vpl_clamped does not") {
     const auto scene = corner(0.5f);
+    constexpr std::uint32_t kPasses = lightcull::testing::repetitions(200, 50);
     for (const std::string shadows : {":shadows=none", ":shadows=rays"}) {
         const std::string lights = ":lights=1000:filter=off" + shadows;
         const std::vector<Estimate> all = Passes(*scene, "vpl_all" + lights).blocks(2, 1.0f);
@@ -124,7 +126,7 @@ TEST_CASE("vpl_culled equals vpl_all in the mean, vpl_clamped does not") {
             std::string method = "vpl_culled" + lights;
             method += interleave;
             Passes culled(*scene, method);
-            const auto means = culled.blocks(200, 60.0f);
+            const auto means = culled.blocks(kPasses, 60.0f);
             CHECK(culled.counts.accepted * 10 < culled.seen() * culled.lights().size());
             CHECK(statistics::worst_p(means, all) > statistics::least_p());
         }
@@ -132,7 +134,7 @@ TEST_CASE("vpl_culled equals vpl_all in the mean, vpl_clamped does not") {
         Passes culled(*scene, "vpl_culled:interleave=8" + lights);
         Passes clamped(*scene, "vpl_clamped:interleave=8" + lights);
         culled.pass(0, 60.0f);
-        const auto means = clamped.blocks(200, 0.5f);
+        const auto means = clamped.blocks(kPasses, 0.5f);
         CHECK(clamped.counts.accepted > culled.counts.accepted);
         CHECK(statistics::worst_p(means, all) < statistics::least_p());
     }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "lights/glossy/influence_tree.h"
+#include "unit/sanitizer.h"
 #include "unit/test_lights.h"
 
 using namespace lightcull;
@@ -113,11 +114,12 @@ std::vector<double> contributions(const std::vector<Light>& lights, const Shadin
     return values;
 }
 
+constexpr std::uint64_t kPasses = repetitions(4000, 1500);
+
 /// The worst z, over each kind of light in turn, of the statement that the mean of contribution
 /// / prob is the sum of contributions. `factor` spoils the probability of the glossy ones.
 double worst_z(const std::string& description, const std::vector<Light>& lights,
                const ShadingPoint& at, double factor = 1.0) {
-    constexpr std::uint64_t kPasses = 4000;
     constexpr std::size_t kKinds = 3;
     const auto sampler = make_sampler(description, lights);
     const std::vector<double> values = contributions(lights, at);
@@ -152,7 +154,6 @@ double worst_z(const std::string& description, const std::vector<Light>& lights,
 /// are. `factor` spoils the probabilities of all lights but the one selected.
 double z_of_weights(const std::string& description, const std::vector<Light>& lights,
                     const ShadingPoint& point, double factor = 1.0) {
-    constexpr std::uint64_t kPasses = 4000;
     constexpr double kOther = 0.3;
     const auto sampler = make_sampler(description, lights);
     const std::vector<double> values = contributions(lights, point);

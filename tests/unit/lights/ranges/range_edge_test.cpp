@@ -139,7 +139,7 @@ Pairs compare(std::uint64_t pair_count) {
 }  // namespace
 
 TEST_CASE("pairs at the edge of the range: what a traversal accepts, prob() accepts") {
-    constexpr std::uint64_t kPairs = kThreadSanitizer ? 1'000'000 : 100'000'000;
+    constexpr std::uint64_t kPairs = repetitions(100'000'000, 1'000'000);
     for (const std::string& name : instruction_sets()) {
         CAPTURE(name);
         use_instruction_set(name);

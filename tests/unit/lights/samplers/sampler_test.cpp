@@ -10,6 +10,7 @@
 
 #include "lights/light/importance.h"
 #include "unit/lights/light/importance_bound.h"
+#include "unit/sanitizer.h"
 #include "unit/test_lights.h"
 
 using namespace lightcull;
@@ -111,7 +112,7 @@ const double kLimit = sidak_z(1e-4, 14 * 3 * 30);
 /// prob() gives to odd lights.
 double worst_z_of_weights(const std::string& description, const std::vector<Light>& lights,
                           const ShadingPoint& point, double factor = 1.0) {
-    constexpr int kPasses = 20000;
+    constexpr int kPasses = repetitions(20000, 4000);
     constexpr double kOther = 0.3;
     constexpr double kOneEvent = 1.0 / (kOther * kPasses);  // one event, which may be missing where
                                                             // it is rare
@@ -267,7 +268,7 @@ TEST_CASE("no light, one light, dark lights") {
 TEST_CASE("auto accepts as many lights as it was told, at any scale and brightness") {
     for (const float size : {1e-3f, 1.0f, 1e3f}) {
         for (const float brightness : {1e-3f, 1.0f, 1e3f}) {
-            std::vector<Light> lights = mixed_lights(5000, 61, 4.0f);
+            std::vector<Light> lights = mixed_lights(repetitions(5000u, 500u), 61, 4.0f);
             for (Light& light : lights) {
                 light.center = light.center * size;
                 light.radius *= size;

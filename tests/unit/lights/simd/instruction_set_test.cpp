@@ -12,6 +12,7 @@
 
 #include "base/random.h"
 #include "lights/baselines/culling_tree.h"
+#include "unit/sanitizer.h"
 #include "unit/test_lights.h"
 
 using namespace lightcull;
@@ -72,7 +73,7 @@ TEST_CASE("every instruction set, batch size and number of threads gives the sca
           "culled:sets=4:group=40", "culled:sets=4:accepted=0.3:group=20", "light_bvh",
           "light_bvh:importance=means", "clamped", "exhaustive"}) {
         CAPTURE(description);
-        constexpr std::uint32_t kPointCounts[] = {0, 1, 7, 8, 9, 17, 600};
+        constexpr std::uint32_t kPointCounts[] = {0, 1, 7, 8, 9, 17, repetitions(600, 100)};
         use_instruction_set("scalar");
         const auto by_scalar = sampler_in_pass(description, lights);
         std::vector<Results> expected;
