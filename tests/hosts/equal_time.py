@@ -3,6 +3,7 @@
     python tests/hosts/equal_time.py lanterns scalar_rgb --seconds 60
     python tests/hosts/equal_time.py lanterns llvm_ad_rgb --seconds 60
     python tests/hosts/equal_time.py cornell scalar_rgb --seconds 60
+    python tests/hosts/equal_time.py offices scalar_rgb --integrators learned --seconds 60
 
 The integrators take turns; a render's set-up counts. That takes `--seconds` for each of them, and
 the reference, which `lightcull_path` makes, `--reference`. In scalar_rgb every triangle of
@@ -28,15 +29,17 @@ REFERENCE_SEED = 1 << 20
 class Contender:
     """The mean of its renders so far, and the time that they took."""
 
-    def __init__(self, scene: Any, integrator: Any, spp: int) -> None:
-        self._scene, self.integrator, self._spp = scene, integrator, spp
+    def __init__(self, scene: Any, properties: dict[str, Any], spp: int) -> None:
+        self._scene, self._spp = scene, spp
         self._sum: Any = 0.0
         self.renders, self.seconds, self.processor_seconds = 0, 0.0, 0.0
-        mi.render(scene, integrator=integrator, spp=spp)  # compiles kernels
+        # Compiles kernels, by another integrator: what this one learns takes its time.
+        mi.render(scene, integrator=mi.load_dict(properties), spp=spp)
+        self._integrator = mi.load_dict(properties)
 
     def render(self, seed: int) -> None:
         start, processor_start = time.perf_counter(), time.process_time()
-        image = mi.render(self._scene, integrator=self.integrator, spp=self._spp, seed=seed)
+        image = mi.render(self._scene, integrator=self._integrator, spp=self._spp, seed=seed)
         self._sum = self._sum + np.array(image)[..., :3].astype(np.float64)
         self.seconds += time.perf_counter() - start
         self.processor_seconds += time.process_time() - processor_start
@@ -67,7 +70,7 @@ def turns(contenders: list[Contender], seconds: float) -> None:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("scene", choices=["lanterns", "city", "cornell"])
+    parser.add_argument("scene", choices=["lanterns", "city", "offices", "cornell"])
     parser.add_argument("variant", choices=["scalar_rgb", "llvm_ad_rgb"])
     parser.add_argument("--seconds", type=float, default=60)
     parser.add_argument("--reference", type=float, help="seconds; default: 4 times --seconds")
@@ -75,7 +78,7 @@ def main() -> None:
     parser.add_argument("--max-depth", type=int, default=2)
     parser.add_argument("--spp", type=int, default=16, help="of a turn")
     parser.add_argument(
-        "--integrators", nargs="+", default=["path", "uniform", "light_bvh", "culled"]
+        "--integrators", nargs="+", default=["path", "uniform", "light_bvh", "culled", "learned"]
     )
     options = parser.parse_args()
     reference_seconds = options.reference or 4 * options.seconds
@@ -87,9 +90,14 @@ def main() -> None:
         "uniform": {"type": "lightcull_path", "light_sampler": "uniform"},
         "light_bvh": {"type": "lightcull_path", "light_sampler": "light_bvh"},
         "culled": {"type": "lightcull_path"},
+        "learned": {
+            "type": "lightcull_path",
+            "light_sampler": "learned",
+            "keep_learned": True,
+        },
     }
     contenders = {
-        name: Contender(scene, mi.load_dict(d | {"max_depth": options.max_depth}), options.spp)
+        name: Contender(scene, d | {"max_depth": options.max_depth}, options.spp)
         for name, d in integrators.items()
         if name in {"path", "culled", *options.integrators}
     }
@@ -98,7 +106,9 @@ def main() -> None:
     turns(list(contenders.values()), options.seconds)
     # By the best one, in two halves with seeds of their own: how they differ tells what the
     # reference itself adds to an error, which is taken off.
-    halves = [Contender(scene, contenders["culled"].integrator, options.spp) for _ in range(2)]
+    best = integrators["learned" if "learned" in contenders else "culled"]
+    best = best | {"max_depth": options.max_depth}
+    halves = [Contender(scene, best, options.spp) for _ in range(2)]
     for i, half in enumerate(halves):
         while half.seconds < 0.5 * reference_seconds:
             half.render(REFERENCE_SEED * (i + 1) + half.renders)

@@ -130,6 +130,17 @@ def many_lamps() -> SceneDict:
     return stage() | {"lamps": quads(centers, 0.02, rgb(9, 8, 6))}
 
 
+def lamps_behind_a_wall() -> SceneDict:
+    """300 squares in view, and 600 bright ones that nothing in view is lit by."""
+    random = np.random.default_rng(7)
+    shown = random.uniform((-3, 2.2, -2), (3, 3.2, 3), (300, 3)).astype(np.float32)
+    hidden = random.uniform((-4, 0.5, -6), (4, 3.2, -3.5), (600, 3)).astype(np.float32)
+    return stage() | {
+        "shown": quads(shown, 0.02, rgb(9, 8, 6)),
+        "hidden": quads(hidden, 0.05, rgb(90, 80, 60)),
+    }
+
+
 ATTRIBUTE_CENTERS = np.float32([[-2, 3, 0], [-0.7, 2.5, 1], [0.7, 3, 0], [2, 2.5, -1]])
 ATTRIBUTE_RADIANCE = np.float32([[8, 1, 1], [1, 2, 12], [0, 9, 0], [5, 5, 5]])
 

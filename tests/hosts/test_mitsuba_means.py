@@ -1,5 +1,5 @@
 """`lightcull_path` has the mean of Mitsuba's `path`: z-tests of blocks of pixels and of the whole
-image, false alarm 1e-4 for each scene (Sidak over its blocks and channels).
+image, false alarm 1e-4 for each scene and sampler (Sidak over its blocks and channels).
 """
 
 from __future__ import annotations
@@ -35,6 +35,7 @@ class Kind:
     variants: tuple[str, ...] = ("scalar_rgb", "llvm_ad_rgb")
     twin: float = 1.1
     """How much brighter a twin is that must be told apart."""
+    samplers: tuple[str, ...] = ("culled",)
 
 
 def glossy(name: str, **bsdf: Any) -> Kind:
@@ -43,16 +44,17 @@ def glossy(name: str, **bsdf: Any) -> Kind:
 
 SCALAR = ("scalar_rgb",)
 """Where LLVM variants would test Mitsuba's own parts again."""
+BOTH_SAMPLERS = ("culled", "learned")
 BOTH_SPECTRAL = ("scalar_spectral", "llvm_ad_spectral")
 KINDS = [
     Kind("cornell box", scenes.cornell),
-    Kind("3,000 lamps", scenes.many_lamps),
+    Kind("3,000 lamps", scenes.many_lamps, samplers=BOTH_SAMPLERS),
     Kind("textured lamps", scenes.textured_lamps),
     # path itself loses the light that it samples on a mesh with an attribute: it asks for the
     # radiance at a point without a shape.
     Kind("mesh attribute", scenes.attribute_lamps, reference=scenes.separate_lamps),
     Kind("turned lamps", scenes.turned_lamps),
-    Kind("round lamps", scenes.round_lamps),
+    Kind("round lamps", scenes.round_lamps, samplers=BOTH_SAMPLERS),
     Kind("environment", scenes.environment),
     Kind("only an environment", scenes.sky_only),
     Kind("points and spots", scenes.points_and_spots),
@@ -63,7 +65,7 @@ KINDS = [
     glossy("principled", metallic=0.3, roughness=0.3, clearcoat=0.5),
     Kind("glass", scenes.glass, options={"max_depth": 6}, variants=SCALAR),
     Kind("rough glass", scenes.rough_glass, options={"max_depth": 6}),
-    Kind("mask and null", scenes.see_through, options={"max_depth": 6}, twin=1.2),
+    Kind("mask and null", scenes.see_through, options={"max_depth": 6}, twin=1.2, samplers=BOTH_SAMPLERS),
     Kind("normal map and blend", scenes.bumpy, variants=SCALAR),
     Kind("hidden emitters", scenes.lamps_in_view, options={"max_depth": 3, "hide_emitters": True}),
     Kind("shown emitters", scenes.lamps_in_view, options={"max_depth": 1}, spp=16),
@@ -113,11 +115,12 @@ def test_mean_is_that_of_path(kind: Kind, variant: str) -> None:
     mi.set_variant(variant)
     scene = mi.load_dict(kind.make())
     path = mi.load_dict({"type": "path", **kind.options})
-    ours = mi.load_dict({"type": "lightcull_path", **kind.options})
     reference = scene if kind.reference is None else mi.load_dict(kind.reference())
     expected = render_blocks(reference, path, kind.spp, 0)
-    found = render_blocks(scene, ours, kind.spp, 1000)
     limit = threshold(expected[0].size)
     assert expected.mean() > 0.01
-    assert largest_z(expected, found) < limit
-    assert largest_z(expected, kind.twin * found) > limit, "the test could not see a bias"
+    for sampler in kind.samplers:
+        properties = {"type": "lightcull_path", "light_sampler": sampler, **kind.options}
+        found = render_blocks(scene, mi.load_dict(properties), kind.spp, 1000)
+        assert largest_z(expected, found) < limit, sampler
+        assert largest_z(expected, kind.twin * found) > limit, "the test could not see a bias"

@@ -52,13 +52,16 @@ def variant(request: pytest.FixtureRequest) -> str:
     return request.param
 
 
-def test_equal_seeds_give_equal_images(variant: str) -> None:
-    scene, integrator = mi.load_dict(scenes.environment()), new_integrator()
+@pytest.mark.parametrize("light_sampler", ["culled", "learned"])
+def test_equal_seeds_give_equal_images(variant: str, light_sampler: str) -> None:
+    scene = mi.load_dict(scenes.environment())
+    integrator = new_integrator(light_sampler=light_sampler)
     first = render(scene, integrator, seed=3)
     render(scene, integrator, seed=4)
     assert_equal(render(scene, integrator, seed=3), first)
-    assert_equal(render(scene, seed=3), first)
-    assert not np.allclose(render(scene, seed=4), first, rtol=1e-4, atol=1e-6)
+    again = new_integrator(light_sampler=light_sampler)
+    assert_equal(render(scene, again, seed=3), first)
+    assert not np.allclose(render(scene, again, seed=4), first, rtol=1e-4, atol=1e-6)
 
 
 # ---- the light sampler is kept, for as long as the scene is the same -----------------------------

@@ -139,6 +139,8 @@ def _messages(error: BaseException | None) -> str:
         ({"error_bound": -1.0}, "above 0"),
         ({"sets": 5}, "power of 4"),
         ({"light_sampler": "power", "sets": 16}, "no option 'sets'"),
+        ({"light_sampler": "learned", "sets": 16}, "no option 'sets'"),
+        ({"light_sampler": "learned:rounds=0"}, "rounds is 0"),
     ],
 )
 def test_wrong_parameters_are_named(options: dict[str, Any], said: str) -> None:

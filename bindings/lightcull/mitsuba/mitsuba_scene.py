@@ -93,7 +93,12 @@ class MitsubaScene:
     def _integrator(self, description: str, **depths: int) -> Any:
         properties: dict[str, Any] = {"type": PATH}
         if description != PATH:
-            properties = {"type": "lightcull_path", "light_sampler": description}
+            # A job is one render to its user, though it is many to Mitsuba.
+            properties = {
+                "type": "lightcull_path",
+                "light_sampler": description,
+                "keep_learned": True,
+            }
         try:
             return mitsuba().load_dict(properties | depths)
         except RuntimeError as error:

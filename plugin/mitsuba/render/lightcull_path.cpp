@@ -68,12 +68,17 @@ std::uint32_t to_number(const UInt32& value) {
 /// |               |         | points of the scene. For culled                    |           |
 /// | sets          | integer | sets of random ranges, a power of 4; by default as | 16 to 256 |
 /// |               |         | many as suit the film and the lights. For culled   |           |
+/// | keep_learned  | boolean | what the light sampler learns in a render serves   | false     |
+/// |               |         | the next one, while lights and view are the same:  |           |
+/// |               |         | images then depend on those before. For learned    |           |
 ///
 /// `error_bound` and `sets` throw for a light sampler that has no such option. The parameter
 /// samples_per_pass, which Mitsuba has deprecated, has no effect.
 ///
 /// The integrator renders in passes over the whole film, and draws the random ranges of the lights
-/// anew for each: an error that pixels have in common then falls with the number of passes.
+/// anew for each: an error that pixels have in common then falls with the number of passes. Where
+/// the light sampler learns, passes are short, and each learns from the shadow rays of those
+/// before.
 template <typename Float, typename Spectrum>
 class LightcullPath final : public MonteCarloIntegrator<Float, Spectrum> {
   public:
@@ -82,7 +87,9 @@ class LightcullPath final : public MonteCarloIntegrator<Float, Spectrum> {
     MI_IMPORT_TYPES(Scene, Sensor, Film, ImageBlock, Medium, Sampler)
 
     explicit LightcullPath(const Properties& properties)
-        : Base(properties), description_(sampler_description(properties)) {
+        : Base(properties),
+          description_(sampler_description(properties)),
+          keep_learned_(properties.get<bool>("keep_learned", false)) {
         // A wrong description is reported here, before there are lights.
         ReusableSampler({description_, {}, {}, 0});
     }
@@ -106,7 +113,8 @@ class LightcullPath final : public MonteCarloIntegrator<Float, Spectrum> {
                       size,
                       sensor->film()->prepare(aov_names()),
                       to_number(seed),
-                      sensor->sampler()->sample_count()};
+                      sensor->sampler()->sample_count(),
+                      reusable->learns()};
         Log(Info, "Starting render job (%ux%u, %u sample%s, %u lights by %s)", size.x(), size.y(),
             job.spp, job.spp == 1 ? "" : "s", lights.lights().size(), description_);
         if constexpr (dr::is_jit_v<Float>) {
@@ -114,7 +122,9 @@ class LightcullPath final : public MonteCarloIntegrator<Float, Spectrum> {
         } else {
             render_blocks(job);
         }
-        cache_.keep(std::move(reusable));
+        // What was learned stays with its render: an image depends on scene and seed alone.
+        if (should_stop()) reusable->sampler().drop_reports();
+        if (!job.learns || keep_learned_) cache_.keep(std::move(reusable));
         TensorXf image = finish(sensor->film(), develop, evaluate);
         if (!m_stop) {
             Log(Info, "Rendering finished. (took %s)",
@@ -164,6 +174,7 @@ class LightcullPath final : public MonteCarloIntegrator<Float, Spectrum> {
         ScalarVector2u size;  ///< pixels that get samples, with those of the border
         std::size_t channels;
         std::uint32_t seed, spp;
+        bool learns;  ///< the light sampler learns from pass to pass
     };
 
     [[noreturn]] static void refuse_derivatives() {
@@ -197,7 +208,7 @@ class LightcullPath final : public MonteCarloIntegrator<Float, Spectrum> {
             using Passes = BlockPasses<Float, Spectrum>;
             const std::uint32_t range_sets = job.light_sampler.set_count();
             Passes passes(job.sensor, job.size, job.channels, m_block_size, job.seed, job.spp,
-                          range_sets);
+                          range_sets, job.learns);
             const float differential_scale = dr::rsqrt(static_cast<float>(job.spp));
             for (std::uint32_t pass = 0; pass < passes.count() && !should_stop(); ++pass) {
                 in_sampler_arena(
@@ -222,7 +233,8 @@ class LightcullPath final : public MonteCarloIntegrator<Float, Spectrum> {
             const dr::suspend_grad<Float> no_derivatives;
             const LightTables<Float, Spectrum> tables(job.context.scene, *job.context.lights);
             WavefrontPasses<Float, Spectrum> passes(job.sensor, job.size, job.seed, job.spp,
-                                                    job.light_sampler.set_count(), tables, memory_);
+                                                    job.light_sampler.set_count(), job.learns,
+                                                    tables, memory_);
             const RenderTask<Float, Spectrum> task(job.context, passes);
             const float differential_scale = dr::rsqrt(static_cast<float>(job.spp));
             const std::unique_ptr<Float[]> channels(new Float[job.channels]);
@@ -264,6 +276,7 @@ class LightcullPath final : public MonteCarloIntegrator<Float, Spectrum> {
     }
 
     std::string description_;
+    bool keep_learned_;
     SamplerCache cache_;
     LaneMemory memory_;  // of the render that holds the lock
 };

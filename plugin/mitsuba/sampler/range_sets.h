@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <vector>
 
 namespace mitsuba::culling {
 
@@ -27,6 +28,15 @@ inline std::uint32_t samples_per_pass(std::uint32_t most, std::uint32_t spp,
     if (range_sets > 1) most = std::min(most, range_sets);
     while (spp % most != 0) --most;
     return most;
+}
+
+/// The samples of a pass, dealt to passes that grow from one sample on: 16 are 1, 1, 2, 4 and 8.
+/// Each is a divisor of their sum.
+inline std::vector<std::uint32_t> growing_parts(std::uint32_t samples) {
+    std::vector<std::uint32_t> parts;
+    for (; samples % 2 == 0; samples /= 2) parts.insert(parts.begin(), samples / 2);
+    parts.insert(parts.begin(), samples, 1);
+    return parts;
 }
 
 /// The sets that a sample of pixel (x, y) uses; sample < 64.

@@ -9,7 +9,8 @@ namespace mitsuba::culling {
 ReusableSampler::ReusableSampler(SamplerInput input)
     : input_(std::move(input)),
       sampler_(::lightcull::make_sampler(input_.description, input_.lights,
-                                         {input_.points, input_.points_per_pass})) {
+                                         {input_.points, input_.points_per_pass})),
+      learns_(sampler_->wants_reports()) {
 }
 
 }  // namespace mitsuba::culling

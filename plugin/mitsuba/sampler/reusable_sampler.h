@@ -17,10 +17,13 @@ class ReusableSampler {
 
     bool is_made_from(const SamplerInput& input) const { return input_ == input; }
     ::lightcull::LightSampler& sampler() const { return *sampler_; }
+    /// Whether what it selects depends on what was reported to it.
+    bool learns() const { return learns_; }
 
   private:
     SamplerInput input_;
     std::unique_ptr<::lightcull::LightSampler> sampler_;
+    bool learns_;
 };
 
 }  // namespace mitsuba::culling

@@ -31,15 +31,16 @@ class BlockPasses {
     };
 
     /// `film_size` is in pixels, with the border; a `block_size` of 0 stands for one that suits the
-    /// threads; `range_sets` is the set_count() of the light sampler.
+    /// threads; `range_sets` is the set_count() of the light sampler; `learns`: it learns from pass
+    /// to pass.
     BlockPasses(Sensor* sensor, const ScalarVector2u& film_size, std::size_t channels,
                 std::uint32_t block_size, std::uint32_t seed, std::uint32_t spp,
-                std::uint32_t range_sets)
+                std::uint32_t range_sets, bool learns)
         : film_(sensor->film()),
           film_size_(film_size),
           channels_(channels),
           block_size_(block_size != 0 ? block_size : suitable_block_size()),
-          samples_(samples_per_pass(kMostSamples, spp, range_sets)),
+          samples_(samples_per_pass(learns ? 1 : kMostSamples, spp, range_sets)),
           count_(spp / samples_),
           spiral_(new Spiral(film_size, film_->crop_offset(), block_size_, count_)),
           random_(sensor->sampler(), film_size.x() * film_size.y(), seed),
@@ -76,7 +77,7 @@ class BlockPasses {
 
   private:
     /// The most samples of a pixel in a pass. More would spare refits and waits for the last
-    /// thread, and show the same ranges for longer.
+    /// thread, and show the same ranges for longer. What learns does so soonest with one.
     static constexpr std::uint32_t kMostSamples = 4;
 
     /// The largest size of which every thread gets a block.

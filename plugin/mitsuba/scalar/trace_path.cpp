@@ -5,6 +5,7 @@
 #include <mitsuba/core/warp.h>
 
 #include <cmath>
+#include <optional>
 
 #include "arrays/variants.h"
 #include "paths/mis_weight.h"
@@ -15,6 +16,7 @@
 namespace mitsuba::culling {
 namespace {
 
+using ::lightcull::LightOutcome;
 using ::lightcull::Selection;
 using ::lightcull::ShadingPoint;
 
@@ -54,6 +56,9 @@ class ScalarPath {
     }
 
   private:
+    /// Whether a shadow ray arrived; none if none was traced.
+    using Arrival = std::optional<bool>;
+
     /// What a ray hits if the emitters in front of it are not there.
     PreliminaryIntersection3f behind_emitters(PreliminaryIntersection3f hit) const {
         if (!hit.is_valid() || !hit.shape->is_emitter()) return hit;
@@ -133,28 +138,37 @@ class ScalarPath {
         return context_.light_sampler->prob(point_, selection_.receipt, light);
     }
 
-    /// Adds light from the light that was selected.
+    /// Adds light from the light that was selected, and reports whether any arrived.
     void add_light(const BSDF* bsdf) {
         if (!(selection_.prob > 0.0f)) return;
         const auto& source = context_.lights->source_of(selection_.light);
         const Float mis_prob = selection_.mis_prob;
-        if (source.mesh) {
-            add_triangle(bsdf, source, mis_prob);
-        } else {
-            add_whole(bsdf, source.emitter, selection_.prob, mis_prob);
+        const Arrival arrival = source.mesh
+                                    ? add_triangle(bsdf, source, mis_prob)
+                                    : add_whole(bsdf, source.emitter, selection_.prob, mis_prob);
+        if (arrival) report(*arrival);
+    }
+
+    void report(bool arrived) const {
+        if (context_.lights->lights().size() < 2 || !context_.light_sampler->wants_reports()) {
+            return;
         }
+        const LightOutcome outcome{point_.position, point_.normal, selection_.receipt,
+                                   selection_.light, arrived ? 1.0f : 0.0f};
+        context_.light_sampler->report({&outcome, 1});
     }
 
     /// Adds light from a point on the triangle that was chosen.
-    void add_triangle(const BSDF* bsdf, const typename SceneLights<Float, Spectrum>::Source& source,
-                      Float mis_prob) {
+    Arrival add_triangle(const BSDF* bsdf,
+                         const typename SceneLights<Float, Spectrum>::Source& source,
+                         Float mis_prob) {
         const auto& [a, b, c, area] = context_.lights->triangles()[selection_.light];
         const Point2f uv = warp::square_to_uniform_triangle(sampler_->next_2d());
         const Point3f p0(a.x, a.y, a.z), p1(b.x, b.y, b.z), p2(c.x, c.y, c.z);
         const Point3f p = p0 * (1.0f - uv.x() - uv.y()) + p1 * uv.x() + p2 * uv.y();
         const Vector3f way = p - si_.p;
         const Float distance = dr::norm(way);
-        if (!(distance > 0.0f)) return;
+        if (!(distance > 0.0f)) return {};
         const Vector3f direction = way / distance;
         SurfaceInteraction3f at =
             triangle_point<Float, Spectrum>(source.mesh, selection_.light - source.first, uv);
@@ -163,16 +177,16 @@ class ScalarPath {
         at.time = ray_.time;
         const Spectrum radiance = source.emitter->eval(at);
         const Float pdf = triangle_pdf(area, at.n, direction, distance);
-        if (!std::isfinite(pdf) || dr::all(unpolarized_spectrum(radiance) == 0.0f)) return;
+        if (!std::isfinite(pdf) || dr::all(unpolarized_spectrum(radiance) == 0.0f)) return {};
         const Spectrum weight = radiance / (selection_.prob * pdf);
-        add_if_visible(bsdf, p, direction, weight, mis_prob * pdf, false);
+        return add_if_visible(bsdf, p, direction, weight, mis_prob * pdf, false);
     }
 
     /// Adds light from an emitter that Mitsuba samples.
-    void add_whole(const BSDF* bsdf, const Emitter* emitter, Float select_prob, Float mis_prob) {
+    Arrival add_whole(const BSDF* bsdf, const Emitter* emitter, Float select_prob, Float mis_prob) {
         const auto [ds, weight] = emitter->sample_direction(si_, sampler_->next_2d());
-        if (!(ds.pdf > 0.0f)) return;
-        add_if_visible(bsdf, ds.p, ds.d, weight / select_prob, mis_prob * ds.pdf, ds.delta);
+        if (!(ds.pdf > 0.0f)) return {};
+        return add_if_visible(bsdf, ds.p, ds.d, weight / select_prob, mis_prob * ds.pdf, ds.delta);
     }
 
     /// Adds light from one of the emitters without a place.
@@ -192,14 +206,15 @@ class ScalarPath {
 
     /// Adds light from a sample if nothing hides it: `weight` is its radiance divided by its
     /// density, `pdf` the density that stands for it in weights.
-    void add_if_visible(const BSDF* bsdf, const Point3f& p, const Vector3f& direction,
-                        const Spectrum& weight, Float pdf, bool is_delta) {
+    Arrival add_if_visible(const BSDF* bsdf, const Point3f& p, const Vector3f& direction,
+                           const Spectrum& weight, Float pdf, bool is_delta) {
         const Vector3f wo = si_.to_local(direction);
         const auto [value, bsdf_pdf] = bsdf->eval_pdf(BSDFContext(), si_, wo);
-        if (dr::all(unpolarized_spectrum(value) == 0.0f)) return;
-        if (context_.scene->ray_test(si_.spawn_ray_to(p))) return;
+        if (dr::all(unpolarized_spectrum(value) == 0.0f)) return {};
+        if (context_.scene->ray_test(si_.spawn_ray_to(p))) return false;
         const Float mis = is_delta ? Float(1.0f) : mis_weight(pdf, bsdf_pdf);
         result_ += throughput_ * value * weight * mis;
+        return true;
     }
 
     /// Plays roulette; false if the path ends here.

@@ -2,6 +2,7 @@
 
 namespace mitsuba::culling {
 
+using ::lightcull::LightOutcome;
 using ::lightcull::Selection;
 
 LaneSelector::Chosen LaneSelector::choose(const Mask& wanted, const Point3f& position,
@@ -73,6 +74,20 @@ LaneSelector::Float LaneSelector::hit_probs(const Mask& asks, const UInt32& ligh
             sampler_.prob(last.points[slot], last.selections[slot].receipt, lights[i]);
     });
     return memory_.hit_probs.view<Float>();
+}
+
+void LaneSelector::report(const Mask& traced, const Mask& arrived) const {
+    const Column<bool> was_traced(traced), has_arrived(arrived);
+    const LaneMemory::Choices& last = memory_.choices;
+    for_each_lane(last.slots.size(), [&](std::size_t i) {
+        if (!was_traced[i]) return;
+        const std::uint32_t slot = last.slots[i];
+        const ::lightcull::ShadingPoint& point = last.points[slot];
+        const Selection& selection = last.selections[slot];
+        const LightOutcome outcome{point.position, point.normal, selection.receipt, selection.light,
+                                   has_arrived[i] ? 1.0f : 0.0f};
+        sampler_.report({&outcome, 1});
+    });
 }
 
 }  // namespace mitsuba::culling

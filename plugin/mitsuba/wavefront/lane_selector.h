@@ -58,6 +58,13 @@ class LaneSelector {
     /// `origin` of then; 1 for a lane that does not ask.
     Float hit_probs(const Mask& asks, const UInt32& light, const UInt32& origin);
 
+    /// False if report() need not be called.
+    bool wants_reports() const { return has_choice() && sampler_.wants_reports(); }
+
+    /// Reports the shadow rays to the lights of the last choose(): the lanes that traced one, and
+    /// those in which it arrived.
+    void report(const Mask& traced, const Mask& arrived) const;
+
   private:
     void gather_points(const Column<std::uint32_t>& lanes, const Point3f& position,
                        const Receiver<Float>& receiver, const UInt32& path, const Float& random,

@@ -162,20 +162,30 @@ class Wavefront {
         const Point2f random_2 = random_.next_2d();
         const auto [value, pdf, next, weight] = bsdf->eval_pdf_sample(
             context, si_, si_.to_local(sample.direction), random_1, random_2, hits_surface_);
-        add_if_visible(sample, value, pdf);
+        const ShadowRays shadow_rays = add_if_visible(sample, value, pdf);
         advance(next, weight);
+        const bool reports = selector_.wants_reports();
         dr::schedule(paths_, going_on_);
+        if (reports) dr::schedule(shadow_rays.traced, shadow_rays.arrived);
         random_.schedule();
         dr::eval();
+        if (reports) selector_.report(shadow_rays.traced, shadow_rays.arrived);
     }
 
-    void add_if_visible(const LightSample<Float, Spectrum>& sample, const Spectrum& bsdf_value,
-                        const Float& bsdf_pdf) {
+    /// The lanes that traced a shadow ray, and those in which it arrived.
+    struct ShadowRays {
+        Mask traced, arrived;
+    };
+
+    ShadowRays add_if_visible(const LightSample<Float, Spectrum>& sample,
+                              const Spectrum& bsdf_value, const Float& bsdf_pdf) {
         const Spectrum light = paths_.throughput * bsdf_value * sample.weight *
                                dr::select(sample.delta, 1.0f, mis_weight(sample.pdf, bsdf_pdf));
-        Mask active = sample.active && smooth_ && dr::any(light != 0.0f);
-        active &= !context_.scene->ray_test(si_.spawn_ray_to(sample.p), active);
-        dr::masked(paths_.result, active) += light;
+        const Mask traced = sample.active && smooth_ && dr::any(light != 0.0f);
+        const Mask arrived =
+            traced && !context_.scene->ray_test(si_.spawn_ray_to(sample.p), traced);
+        dr::masked(paths_.result, arrived) += light;
+        return {traced, arrived};
     }
 
     /// Moves the paths on to their next rays, and plays roulette.

@@ -10,40 +10,43 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <vector>
 
+#include "paths/independent_sampler.h"
 #include "sampler/range_sets.h"
 #include "wavefront/trace_wavefront.h"
 
 namespace mitsuba::culling {
 
 /// The passes of a render in LLVM variants: each takes some samples for every pixel, as one
-/// wavefront.
+/// wavefront. Where the light sampler learns, the first ones are smaller, so that it does so soon.
+/// They stay equal, and small, with samplers that count on passes of one size.
 template <typename Float, typename Spectrum>
 class WavefrontPasses {
   public:
     MI_IMPORT_TYPES(Sensor, Film, ImageBlock, Sampler)
 
-    /// `size` is in pixels, with the border; `range_sets` is the set_count() of the light sampler.
+    /// `size` is in pixels, with the border; `range_sets` is the set_count() of the light sampler;
+    /// `learns`: it learns from pass to pass.
     WavefrontPasses(Sensor* sensor, const ScalarVector2u& size, std::uint32_t seed,
-                    std::uint32_t spp, std::uint32_t range_sets,
+                    std::uint32_t spp, std::uint32_t range_sets, bool learns,
                     const LightTables<Float, Spectrum>& tables, LaneMemory& memory)
         : film_(sensor->film()),
           sampler_(sensor->sampler()),
           block_(film_->create_block()),
+          coalesce_(block_->coalesce()),
+          size_(size),
           seed_(seed),
           tables_(tables),
           memory_(memory) {
-        const std::uint32_t pixels = dr::prod(size);
-        const std::uint32_t samples =
-            samples_per_pass(std::min(kMostLanes / pixels, kMostSamples), spp, range_sets);
-        const std::uint32_t lanes = pixels * samples;
-        count_ = spp / samples;
-        sampler_->set_samples_per_wavefront(samples);
-        sampler_->seed(seed, lanes);
+        const bool grows = learns && is_independent(sampler_);
+        const std::uint32_t most = learns && !grows ? kMostSamplesLearning : kMostSamples;
+        samples_ = samples_per_pass(std::min(kMostLanes / dr::prod(size), most), spp, range_sets);
+        first_samples_ = grows ? growing_parts(samples_) : std::vector{samples_};
+        count_ = spp / samples_ - 1 + static_cast<std::uint32_t>(first_samples_.size());
         block_->set_offset(film_->crop_offset());
-        block_->set_coalesce(block_->coalesce() && samples >= kFewestToCoalesce);
-        place(size, samples, lanes);
-        pattern_ = {size.x(), samples, range_sets};
+        pattern_ = {size.x(), 0, range_sets};
+        take_samples(first_samples_[0], seed);
     }
 
     std::uint32_t count() const { return count_; }
@@ -63,6 +66,9 @@ class WavefrontPasses {
         sampler_->schedule_state();
         dr::eval(block_->tensor());
         dr::sync_thread();  // kernels read memory_
+        const std::uint32_t samples =
+            done_ < first_samples_.size() ? first_samples_[done_] : samples_;
+        if (samples != pattern_.samples) take_samples(samples, sample_tea_32(seed_, ~done_).first);
     }
 
     /// Puts the image on the film; call it after the last pass.
@@ -72,25 +78,38 @@ class WavefrontPasses {
     /// This many lanes keep all threads busy, and fit into memory (some 500 bytes each).
     static constexpr std::uint32_t kMostLanes = 1u << 21;
     static constexpr std::uint32_t kMostSamples = 64;  // sets_of_sample() takes no more
+    /// Where passes cannot grow, more would leave little to learn from.
+    static constexpr std::uint32_t kMostSamplesLearning = 4;
     static constexpr std::uint32_t kFewestToCoalesce = 4;
 
-    void place(const ScalarVector2u& size, std::uint32_t samples, std::uint32_t lanes) {
+    /// Passes take so many samples of a pixel from now on.
+    void take_samples(std::uint32_t samples, std::uint32_t seed) {
+        const std::uint32_t lanes = dr::prod(size_) * samples;
+        sampler_->set_samples_per_wavefront(samples);
+        sampler_->seed(dr::opaque<UInt32>(seed), lanes);
+        block_->set_coalesce(coalesce_ && samples >= kFewestToCoalesce);
+        pattern_.samples = samples;
         const UInt32 pixel = dr::arange<UInt32>(lanes) / dr::opaque<UInt32>(samples);
         Vector2i place;
-        place.y() = Int32(pixel / size.x());
-        place.x() = Int32(pixel) - place.y() * Int32(size.x());
+        place.y() = Int32(pixel / size_.x());
+        place.x() = Int32(pixel) - place.y() * Int32(size_.x());
         if (film_->sample_border()) place -= Int32(film_->rfilter()->border_size());
         place += Vector2i(film_->crop_offset());
         corners_ = Vector2f(place);
+        sampler_->schedule_state();
         dr::eval(corners_);
     }
 
     Film* film_;
     Sampler* sampler_;
     ref<ImageBlock> block_;
+    bool coalesce_;
+    ScalarVector2u size_;
     std::uint32_t seed_;
     const LightTables<Float, Spectrum>& tables_;
     LaneMemory& memory_;
+    std::uint32_t samples_ = 1;                 ///< of a pixel in a pass
+    std::vector<std::uint32_t> first_samples_;  ///< in each of the first passes
     std::uint32_t count_ = 1, done_ = 0;
     Vector2f corners_;
     SetPattern pattern_;
