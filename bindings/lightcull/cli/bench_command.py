@@ -53,7 +53,9 @@ def _bench(scene: Scene, options: BenchOptions, messages: Console, rows: list[Ro
         _print(rows[first:])
 
 
-_COLUMNS = ("batch", "per s", "single", "ray", "arrive", "nodes", "lights", "refit", "build s", "B/light")
+_COLUMNS = (
+    "batch", "per s", "single", "ray", "arrive", "nodes", "lights", "refit", "build s", "B/light",
+)  # fmt: skip
 
 
 def _print(rows: Sequence[Row]) -> None:

@@ -43,8 +43,8 @@ struct CutChoice {
     double within;        ///< place in the cluster's share where the choice fell, [0, 1)
 };
 
-/// Chooses a cluster in proportion to its weight, by a number in [0, 1). Their total
-/// must not be 0.
+/// Chooses a cluster in proportion to its weight, by a number in [0, 1). Their total must not
+/// be 0.
 CutChoice choose(const CutWeights& weights, std::uint32_t size, double number) noexcept;
 
 }  // namespace lightcull

@@ -42,12 +42,8 @@ class KnownEvidence {
     /// has a share of its rays.
     Evidence of(LightBvhSlot slot, const Evidence& above, float share) const {
         constexpr float kRays = 6.0f;
-        for (std::size_t at = place_of(slot);; at = (at + 1) & (slots_.size() - 1)) {
-            if (slots_[at].slot == slot) return slots_[at].sum;
-            if (slots_[at].slot == LightBvh<MeansNode>::kNoSlot) {
-                return handed_down(above, share, kRays);
-            }
-        }
+        const Entry& entry = slots_[place_of(slot)];
+        return entry.slot == slot ? entry.sum : handed_down(above, share, kRays);
     }
 
   private:
@@ -56,15 +52,18 @@ class KnownEvidence {
         Evidence sum;
     };
 
+    /// The place of a slot's entry; if it has none, that of an empty one for it.
     std::size_t place_of(LightBvhSlot slot) const {
-        return static_cast<std::size_t>(mix(slot)) & (slots_.size() - 1);
+        const std::size_t mask = slots_.size() - 1;
+        std::size_t at = static_cast<std::size_t>(mix(slot)) & mask;
+        while (slots_[at].slot != slot && slots_[at].slot != LightBvh<MeansNode>::kNoSlot) {
+            at = (at + 1) & mask;
+        }
+        return at;
     }
 
     Evidence& entry_of(LightBvhSlot slot) {
-        std::size_t at = place_of(slot);
-        while (slots_[at].slot != slot && slots_[at].slot != LightBvh<MeansNode>::kNoSlot) {
-            at = (at + 1) & (slots_.size() - 1);
-        }
+        const std::size_t at = place_of(slot);
         if (slots_[at].slot == slot) return slots_[at].sum;
         if (2 * ++count_ > slots_.size()) {
             grow();
