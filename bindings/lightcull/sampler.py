@@ -112,7 +112,7 @@ class LightSelector:
 
     @property
     def wants_reports(self) -> bool:
-        """False if `report` does nothing: the sampler does not learn, or not in this pass."""
+        """False if `report` need not be called: the sampler does not learn, or not now."""
         return self._core.wants_reports()
 
     def __repr__(self) -> str:

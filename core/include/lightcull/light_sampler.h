@@ -122,7 +122,7 @@ class LIGHTCULL_EXPORT LightSelector {
     /// and no others.
     virtual void report(Span<const LightOutcome> outcomes) const noexcept;
 
-    /// False if report() does nothing: the sampler does not learn, or no more.
+    /// False if report() need not be called: the sampler does not learn, or not from this pass.
     virtual bool wants_reports() const noexcept { return false; }
 
     /// False if no selection of this pass can have had this receipt.

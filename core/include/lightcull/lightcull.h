@@ -340,7 +340,8 @@ LIGHTCULL_C_API lightcull_error lightcull_sampler_restore_learned(lightcull_samp
 /// that drops a pass under way.
 LIGHTCULL_C_API void lightcull_sampler_drop_reports(lightcull_sampler* sampler);
 
-/// 0 if lightcull_report() does nothing: the sampler does not learn, or not in this pass; else 1.
+/// 0 if lightcull_report() need not be called: the sampler does not learn, or not from this pass;
+/// else 1.
 LIGHTCULL_C_API int lightcull_wants_reports(const lightcull_pass* pass);
 
 /* ---- hot calls ------------------------------------------------------------------------------- */
