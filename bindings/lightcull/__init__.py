@@ -2,7 +2,7 @@
 
 >>> import lightcull
 >>> scene = lightcull.example_scene("lanterns")
->>> result = lightcull.render(scene, sampler="culled", seconds=10)
+>>> result = lightcull.render(scene, seconds=10)
 >>> result.save("lanterns.exr")
 
 Metres, radians, linear RGB. Arrays are C-contiguous float32 (N, 3), ids uint32.

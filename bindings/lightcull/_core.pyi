@@ -207,6 +207,10 @@ class RendererMemory:
     @property
     def sampler(self) -> int: ...
     @property
+    def learned(self) -> int:
+        """What the sampler may still come to by learning, at most."""
+
+    @property
     def film(self) -> int: ...
     @property
     def paths(self) -> int:

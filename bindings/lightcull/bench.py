@@ -16,7 +16,9 @@ from .sampler import check_description
 from .scene import Scene
 from .scenes.random_numbers import Chance
 
-DEFAULT_SAMPLERS = ("light_bvh", "light_bvh:importance=means", "culled", "exhaustive")
+DEFAULT_SAMPLERS = (
+    "light_bvh", "light_bvh:importance=means", "culled", "learned", "exhaustive",
+)  # fmt: skip
 DEFAULT_SIZE = (640, 480)
 DEFAULT_THREADS = (1, 2)
 POINTS = ("camera", "scattered", "uniform")

@@ -115,6 +115,7 @@ void bind_renderer(py::module_& module) {
         .def_readonly("rays", &RenderStats::rays);
     py::class_<RendererMemory>(module, "RendererMemory")
         .def_readonly("sampler", &RendererMemory::sampler)
+        .def_readonly("learned", &RendererMemory::learned)
         .def_readonly("film", &RendererMemory::film)
         .def_readonly("paths", &RendererMemory::paths);
     py::class_<MeanCounts>(module, "MeanCounts")

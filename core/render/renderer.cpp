@@ -203,8 +203,10 @@ RendererMemory Renderer::memory_size() const noexcept {
     const std::size_t paths =
         std::size_t{std::min(r.width, kRegionSize)} * std::min(r.height, kRegionSize);
     const SamplerInfo* const info = sampler_info(*impl_->sampler);
-    return {info != nullptr ? info->memory_size() : 0,
-            impl_->film.memory_size() + size_of(impl_->pass_pixels), paths * kPerPath};
+    const std::size_t sampler = info != nullptr ? info->memory_size() : 0;
+    const std::size_t limit = info != nullptr ? info->memory_limit() : 0;
+    return {sampler, limit - sampler, impl_->film.memory_size() + size_of(impl_->pass_pixels),
+            paths * kPerPath};
 }
 
 }  // namespace lightcull

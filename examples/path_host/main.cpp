@@ -81,7 +81,7 @@ void render(const Scene& scene, const Job& job) {
     {
         // The sampler is told how many pixels a pass serves, and chooses fewer sets for a small
         // image.
-        const auto sampler = make_light_sampler(scene, lightcull::CulledOptions{}, pixels);
+        const auto sampler = make_light_sampler(scene, lightcull::LearnedOptions{}, pixels);
         Film film(pixels);
         render_whole_passes(scene, *sampler, job, film);
         finish("whole passes", "whole_passes.pfm", film, job);

@@ -89,7 +89,7 @@ def main() -> None:
         "path": {"type": "path"},
         "uniform": {"type": "lightcull_path", "light_sampler": "uniform"},
         "light_bvh": {"type": "lightcull_path", "light_sampler": "light_bvh"},
-        "culled": {"type": "lightcull_path"},
+        "culled": {"type": "lightcull_path", "light_sampler": "culled"},
         "learned": {
             "type": "lightcull_path",
             "light_sampler": "learned",

@@ -138,7 +138,7 @@ def test_options_are_resolved_once(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     assert (bounced.seconds, bounced.spp, bounced.max_depth) == (None, 4, 3)
     compare = resolved("compare", "cornell", "--size", "8x6")
     assert isinstance(compare, options.CompareOptions)
-    assert compare.samplers == ("uniform", "power", "light_bvh", "culled")
+    assert (compare.samplers, render.sampler) == (None, None)
     assert (compare.seconds, compare.size, compare.folder) == (30.0, (8, 6), Path("report"))
     assert compare.command == "lightcull compare cornell --size 8x6"
     methods = resolved("compare", "cornell", "--methods", "path,vpl_grid")
@@ -204,7 +204,7 @@ def test_info(main_here: Run, tmp_path: Path) -> None:
 
 
 def test_ctrl_c_saves_the_image(command: Run, tmp_path: Path) -> None:
-    program = ("-c", INTERRUPTED_IN_TURN.format(stage="culled"))
+    program = ("-c", INTERRUPTED_IN_TURN.format(stage="learned"))
     result = command(
         "render", "cornell", "--size", "32x24", "--seconds", "10000", "-o", "a.exr",
         program=program,

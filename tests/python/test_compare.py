@@ -14,7 +14,6 @@ import lightcull
 from conftest import make_room
 from lightcull.comparing import compare as compare_module
 from lightcull.rendering import subject as subject_module
-from lightcull.rendering.subject import samplers_of_reference
 from lightcull.report.metrics import relmse, relmse_of_mean
 
 SIZE = (32, 24)
@@ -138,23 +137,10 @@ def test_images_are_those_of_render(room: lightcull.Scene) -> None:
     assert np.array_equal(result.samplers["culled"].image, alone.image)
 
 
-CLUSTERS = "light_bvh:importance=means"
-
-
-@pytest.mark.parametrize(
-    ("under_test", "light_count", "reference"),
-    [
-        (["uniform", "culled"], 5_000, (CLUSTERS, CLUSTERS)),
-        (["uniform", "light_bvh"], 5_000, ("culled", "culled")),
-        (["light_bvh", "culled:sets=16"], 5_000, ("culled", CLUSTERS)),
-        (["uniform", "power", "light_bvh", "culled"], 5, ("exhaustive", "exhaustive")),
-        (["exhaustive", "light_bvh", "culled"], 5, ("culled", CLUSTERS)),
-    ],
-)
-def test_the_reference_is_by_a_sampler_that_is_not_under_test(
-    under_test: list[str], light_count: int, reference: tuple[str, str]
-) -> None:
-    assert samplers_of_reference(under_test, light_count) == reference
+def test_all_samplers_of_renown_are_compared_unless_told(room: lightcull.Scene) -> None:
+    result = lightcull.compare(room, **QUICK)
+    assert set(result.samplers) == {"uniform", "power", "light_bvh", "culled", "learned"}
+    assert result.reference.sampler == "learned"
 
 
 def test_the_reference_is_kept(

@@ -24,7 +24,7 @@ def ctrl_c():
     signal.signal(signal.SIGINT, before)
 
 
-@pytest.mark.parametrize("sampler", ["culled", "uniform"])
+@pytest.mark.parametrize("sampler", ["learned", "culled", "uniform"])
 def test_same_seed_same_bits_whatever_the_threads(sampler: str) -> None:
     def image(**options: int) -> np.ndarray:
         return lightcull.render(
@@ -37,6 +37,12 @@ def test_same_seed_same_bits_whatever_the_threads(sampler: str) -> None:
     assert first.flags.c_contiguous
     assert np.array_equal(first, image(seed=5, threads=2))
     assert not np.array_equal(first, image(seed=6, threads=1))
+
+
+def test_learned_is_the_default(room: lightcull.Scene) -> None:
+    by_default = lightcull.render(room, spp=6, size=SIZE)
+    assert by_default.sampler == "learned"
+    assert np.array_equal(by_default.image, lightcull.render(room, "learned", spp=6, size=SIZE).image)
 
 
 def test_a_point_light_over_a_floor() -> None:
@@ -57,7 +63,7 @@ def test_stats_and_progress(room: lightcull.Scene) -> None:
     assert [step.spp for step in steps] == [1, 2, 3, 4]
     assert [step.fraction for step in steps] == [0.25, 0.5, 0.75, 1.0]
     assert steps[0].seconds_left > 0 == steps[-1].seconds_left
-    assert {step.stage for step in steps} == {"culled"}
+    assert {step.stage for step in steps} == {"learned"}
     stats = result.stats
     assert stats.spp == 4
     assert not result.interrupted

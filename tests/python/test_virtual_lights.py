@@ -134,6 +134,7 @@ def test_samplers_choose_among_virtual_lights_of_a_scene() -> None:
         assert scene.counts["virtual lights"] == len(lights) - before > 1000
         assert np.count_nonzero(lights["lobe_alpha"] == np.float32(0.25)) > 100
         means.append(mean(scene, "culled", 2, 40))
+    assert lightcull.render(scene, spp=1, size=SIZE).sampler == "culled"
     assert bounced > 1.05 * direct
     assert np.mean(means) - direct == pytest.approx(bounced - direct, rel=0.1)
 

@@ -17,8 +17,8 @@ SAMPLER is the way to choose a light for a point:
   uniform     every light alike
   power       in proportion to its power
   light_bvh   down a tree of clusters (Conty Estevez & Kulla 2018)
-  culled      stochastic light culling, resampled: what this project is about
-  learned     culled, and what it learns from shadow rays of what is hidden
+  culled      stochastic light culling, resampled
+  learned     culled, and what it learns from shadow rays of what is hidden: the default
   paper       stochastic light culling as published (Tokuyoshi & Harada 2016)
   clamped     lights with a limited range: biased, for comparison
   exhaustive  weighs every light for every point: slow, the floor for error
@@ -29,7 +29,7 @@ light_bvh:importance=means (means over a cluster in place of the published bound
 EXAMPLES = """\
 examples:
   lightcull render lanterns -o lanterns.exr --seconds 10
-  lightcull compare lanterns --samplers uniform,light_bvh,culled --seconds 30 -o report
+  lightcull compare lanterns --samplers uniform,light_bvh,learned --seconds 30 -o report
   lightcull info city
 
 Ctrl-C ends a render after the pass under way and keeps what there is; twice, at once. Exit codes:
@@ -42,7 +42,7 @@ examples:
   lightcull render room.glb -o room.exr --max-depth 6 --spp 256
   lightcull render cornell -o a.exr --sampler uniform --spp 16 --seed 7
   lightcull render cornell -o b.exr --method vpl_culled:lights=16384 --spp 8
-  lightcull render cornell -o c.exr --virtual-lights 16384 --sampler culled
+  lightcull render cornell -o c.exr --virtual-lights 16384 --sampler light_bvh
 
   lightcull render city -o city.exr --spp 4096 --checkpoint city.checkpoint
   lightcull render city -o city.exr --spp 4096 --resume city.checkpoint
@@ -69,16 +69,15 @@ alpha=2 (accuracy) and samples=4 (shadow rays per pixel). New virtual lights are
 
 COMPARE = """\
 examples:
-  lightcull compare lanterns --samplers uniform,culled --seconds 20
-  lightcull compare city --samplers light_bvh,culled,paper -o report-city
+  lightcull compare lanterns --samplers uniform,learned --seconds 20
+  lightcull compare city --samplers light_bvh,culled,learned -o report-city
   lightcull compare cornell --samplers culled:sets=16,culled:sets=64 --spp 64
-  lightcull compare --host mitsuba scene.xml --samplers path,culled
+  lightcull compare --host mitsuba scene.xml --samplers path,learned
   lightcull compare cornell --methods path,vpl_culled,vpl_clamped,vpl_grid -o report-methods
 
 Builds and refits count as render time. The samplers take turns, so that a noisy machine is fair to
-all. A reference is rendered first, for 8 times as long, by a sampler that is not compared (or by
-two if all are), and kept in ~/.cache/lightcull. The folder gets index.html, report.json, report.csv
-and the images.
+all. A reference is rendered first, for 8 times as long, by learned with seeds of its own, and kept in
+~/.cache/lightcull. The folder gets index.html, report.json, report.csv and the images.
 
 With --methods each method renders for --seconds, and then virtual lights are counted and timed from
 1,024 light paths to --most-lights: stochastic tiled lighting against constant ranges, spheroids

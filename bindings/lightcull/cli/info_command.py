@@ -14,6 +14,7 @@ from ..rendering.memory_need import MemoryNeed, memory_need
 from ..rendering.method import PATH
 from ..rendering.path_job import PathJob
 from ..rendering.settings import RenderSettings
+from ..rendering.subject import OwnSubject
 from ..rendering.virtual_light_job import VirtualLightJob
 from ..scene import Scene
 from .options import InfoOptions
@@ -22,14 +23,15 @@ from .options import InfoOptions
 def run(options: InfoOptions, messages: Console) -> bool:
     """Prints what is in a scene, what memory a render of it takes, and the devices there are."""
     scene, settings, by_paths = options.scene, options.settings, options.method == PATH
+    sampler = options.sampler or OwnSubject(scene).best_sampler
     # Before anything else takes memory that a render does not.
     job = (
-        PathJob(scene, options.sampler, settings)
+        PathJob(scene, sampler, settings)
         if by_paths
-        else VirtualLightJob(scene, options.method, options.sampler, settings)
+        else VirtualLightJob(scene, options.method, sampler, settings)
     )
     need = memory_need(job, settings.size)
-    ways = options.sampler if by_paths else f"{options.sampler} and {options.method}"
+    ways = sampler if by_paths else f"{sampler} and {options.method}"
     memory_fact = ("memory", _memory(need, ways, settings))
     table = Table(show_header=False, box=None)
     for name, value in (*_facts(scene), memory_fact, *_devices()):
@@ -61,6 +63,8 @@ def _memory(need: MemoryNeed, ways: str, settings: RenderSettings) -> str:
         "image": need.image,
         "paths": need.paths,
     }
+    if need.learned:
+        parts["what is learned at most"] = need.learned
     if need.virtual_lights:
         parts["virtual lights"] = need.virtual_lights
     return (

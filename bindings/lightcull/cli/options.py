@@ -15,7 +15,6 @@ import numpy as np
 
 from .. import bench
 from .._core import Error
-from ..comparing.compare import DEFAULT_SAMPLERS
 from ..images import apply_view, check_format
 from ..methods.studies import MOST_LIGHTS
 from ..output_files import check_output, check_writable
@@ -31,7 +30,7 @@ class RenderOptions:
     """A render. What is not said here is as in `lightcull.render`."""
 
     scene: AnyScene
-    sampler: str
+    sampler: str | None
     method: str
     seconds: float | None
     spp: int | None
@@ -56,7 +55,7 @@ class CompareOptions:
     """A comparison of samplers. What is not said here is as in `lightcull.compare`."""
 
     scene: AnyScene
-    samplers: tuple[str, ...]
+    samplers: tuple[str, ...] | None
     seconds: float | None
     spp: int | None
     size: tuple[int, int]
@@ -91,7 +90,7 @@ class InfoOptions:
     """What is asked about: a scene, and a render of it that is only set up."""
 
     scene: Scene
-    sampler: str
+    sampler: str | None
     method: str
     settings: RenderSettings
 
@@ -181,7 +180,7 @@ def _compare(parsed: argparse.Namespace, command: str) -> CompareOptions | Compa
     scene, size, max_depth = open_any(parsed, MAX_DEPTH)
     return CompareOptions(
         scene=scene,
-        samplers=tuple(parsed.samplers or DEFAULT_SAMPLERS),
+        samplers=parsed.samplers and tuple(parsed.samplers),
         seconds=_seconds(parsed),
         spp=parsed.spp,
         size=size,

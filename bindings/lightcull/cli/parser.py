@@ -60,7 +60,7 @@ def make_parser() -> argparse.ArgumentParser:
     _add_shared(render, seconds=10, output="SCENE.exr", output_help=".exr or .png to write")
 
     compare = add("compare", "compare samplers in equal time", texts.COMPARE)
-    _add_samplers(compare, DEFAULT_SAMPLERS)
+    _add_samplers(compare, (*DEFAULT_SAMPLERS, "learned"))
     compare.add_argument(
         "--methods", type=types.method_list, metavar="A,B,...",
         help="compare how light that bounces is found instead; see `lightcull render --help`",
@@ -99,8 +99,9 @@ def _add_scene(parser: argparse.ArgumentParser) -> None:
 
 def _add_sampler(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        "--sampler", type=types.sampler, default="culled", metavar="SAMPLER", help="default: culled"
-    )
+        "--sampler", type=types.sampler, metavar="SAMPLER",
+        help="default: learned; culled where glossy virtual lights are among the lights",
+    )  # fmt: skip
 
 
 def _add_method(parser: argparse.ArgumentParser) -> None:

@@ -53,7 +53,7 @@ def _summary(options: RenderOptions, result: RenderResult) -> str:
     )
     return (
         f"{options.output}: {width}x{height}, {stats.spp} samples per pixel in "
-        f"{stats.seconds:.1f} s, {options.sampler} among {lights}"
+        f"{stats.seconds:.1f} s, {result.sampler} among {lights}"
         + (f", bounces by {options.method}" if options.method != PATH else "")
         + (", interrupted" if result.interrupted else "")
     )

@@ -13,15 +13,18 @@ from ..output_files import check_writable
 from ..rendering.budget import Budget
 from ..rendering.progress import Progress, ProgressCallback
 from ..rendering.settings import RR_DEPTH, RenderSettings
-from ..rendering.subject import OwnSubject, Subject
+from ..rendering.subject import Subject, subject_of
 from ..report import Comparison, Reference, SamplerRun, write
 from ..scene import Scene
 from .contender import Contender
 from .reference import ReferenceOrder, reference_for
 
-SAMPLERS = ("uniform", "power", "light_bvh", "exhaustive", "clamped", "culled", "paper")
+SAMPLERS = (
+    "uniform", "power", "light_bvh", "exhaustive", "clamped", "culled", "learned", "paper",
+)  # fmt: skip
 """Names of the samplers. Only `clamped` is biased."""
 DEFAULT_SAMPLERS = ("uniform", "power", "light_bvh", "culled")
+"""What the best sampler of a scene is compared with."""
 
 _TURNS = 64
 """That each sampler gets at least."""
@@ -39,7 +42,7 @@ _REFERENCE_NOISE = 0.2
 
 def compare(
     scene: Scene | Subject,
-    samplers: Sequence[str] = DEFAULT_SAMPLERS,
+    samplers: Sequence[str] | None = None,
     *,
     seconds: float | None = None,
     spp: int | None = None,
@@ -58,13 +61,13 @@ def compare(
 
     The time of a sampler is that of its builds, refits, pilots and passes, equal within 3 %. The
     samplers take turns, so that a noisy machine is fair to all. With spp, each renders as many
-    samples per pixel instead. samplers: descriptions as in `LightSampler`. size: width and height,
-    pixels. max_depth: longest path, in edges: 2 is direct light. rr_depth, direct_light: as in
+    samples per pixel instead. samplers: descriptions as in `LightSampler`; None: uniform, power,
+    light_bvh, culled and learned. size: width and height, pixels. max_depth: longest path, in edges: 2 is direct light. rr_depth, direct_light: as in
     `render`. threads: 0 for all.
 
-    The reference is rendered by a sampler that is not under test, or if all are by two, and kept
-    in $XDG_CACHE_HOME/lightcull (or ~/.cache/lightcull). reference_seconds: its wall time; without
-    it, 8 times what each sampler has.
+    The reference is rendered by `learned`, with seeds of its own, and kept in
+    $XDG_CACHE_HOME/lightcull (or ~/.cache/lightcull). reference_seconds: its wall time; without it,
+    8 times what each sampler has.
 
     What is returned has the images, what each sampler took, and as `figures` the errors, costs and
     ratios: `lightcull.report.ComparisonFigures`, which is what report.json holds.
@@ -77,11 +80,11 @@ def compare(
     """
     if isinstance(samplers, str):
         raise TypeError(f"samplers: wanted several, got {samplers!r}")
+    subject = subject_of(scene)
+    if samplers is None:
+        samplers = (*DEFAULT_SAMPLERS, subject.best_sampler)
     if not samplers:
         raise Error("samplers: wanted one at least")
-    subject = OwnSubject(scene) if isinstance(scene, Scene) else scene
-    if not hasattr(subject, "new_job"):
-        raise TypeError(f"scene: wanted a lightcull.Scene, got {scene!r}")
     for description in samplers:
         subject.check_sampler(description)
     if folder is not None:
@@ -117,11 +120,10 @@ class _Comparing:
 
     def reference(self, seconds: float | None) -> Reference:
         """The reference, from the cache or rendered."""
-        samplers = self._scene.reference_samplers(self._samplers)
         budget = self._budget.times(_REFERENCE_EFFORT)
         if seconds is not None:
             budget = Budget(None, seconds)
-        order = ReferenceOrder(self._scene, samplers, self._settings, budget)
+        order = ReferenceOrder(self._scene, self._settings, budget)
         samplers_left = len(self._samplers) * (self._budget.seconds or 0.0)
 
         def report(fraction: float, spp: int, seconds_left: float) -> None:

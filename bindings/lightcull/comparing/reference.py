@@ -37,17 +37,14 @@ class ReferenceOrder:
     """What reference is wanted."""
 
     scene: Subject
-    samplers: tuple[str, str]
-    """Of the first and the second half."""
     settings: RenderSettings
     """Of which the seed is not used."""
     budget: Budget
     """Of both halves together."""
 
     @property
-    def label(self) -> str:
-        """The samplers, in words."""
-        return " and ".join(dict.fromkeys(self.samplers))
+    def sampler(self) -> str:
+        return self.scene.best_sampler
 
     def key(self) -> str:
         """What the image depends on, but for how long it was rendered."""
@@ -55,7 +52,7 @@ class ReferenceOrder:
         of_settings = (
             settings.size, settings.max_depth, settings.rr_depth, settings.direct_light,
         )  # fmt: skip
-        parts = (self.scene.digest(), self.samplers, of_settings, _SEEDS, machine.build_id())
+        parts = (self.scene.digest(), self.sampler, of_settings, _SEEDS, machine.build_id())
         return hashlib.blake2b(json.dumps(parts).encode(), digest_size=16).hexdigest()
 
 
@@ -73,7 +70,7 @@ def reference_for(order: ReferenceOrder, progress: ReferenceProgress) -> Referen
     images = [job.image() for job in halves]
     reference = Reference(
         image=(0.5 * (images[0] + images[1])).astype(np.float32),
-        sampler=order.label,
+        sampler=order.sampler,
         spp=sum(job.stats().spp for job in halves),
         relmse_of_itself=relmse_of_mean(*images),
     )
@@ -84,7 +81,7 @@ def reference_for(order: ReferenceOrder, progress: ReferenceProgress) -> Referen
 def _render_half(order: ReferenceOrder, index: int, progress: ReferenceProgress) -> Job:
     settings = replace(order.settings, seed=_SEEDS[index])
     half = order.budget.times(0.5)
-    job = order.scene.new_job(order.samplers[index], settings, half.spp)
+    job = order.scene.new_job(order.sampler, settings, half.spp)
     while not half.is_used(job.stats()):
         job.render_pass()
         stats = job.stats()
@@ -108,7 +105,7 @@ def _read(path: Path, order: ReferenceOrder) -> Reference | None:
                 return None
             return Reference(
                 image=data["image"],
-                sampler=order.label,
+                sampler=order.sampler,
                 spp=int(data["spp"]),
                 relmse_of_itself=float(data["relmse_of_itself"]),
             )

@@ -21,6 +21,8 @@ class MemoryNeed:
     """Embree's."""
     sampler: int
     """Its trees, with all sets of ranges."""
+    learned: int
+    """What the sampler may come to besides by learning, at most."""
     image: int
     """Sums of the passes, the pass under way, and the image as it is taken."""
     paths: int
@@ -34,7 +36,7 @@ class MemoryNeed:
     def peak(self) -> int:
         """The most at any time, set-up included."""
         parts = (
-            self.program, self.scene, self.bvh, self.sampler, self.image, self.paths,
+            self.program, self.scene, self.bvh, self.sampler, self.learned, self.image, self.paths,
             self.virtual_lights,
         )  # fmt: skip
         return max(self.setup, sum(parts))
@@ -49,6 +51,7 @@ def memory_need(job: PathJob | VirtualLightJob, size: tuple[int, int]) -> Memory
         scene=scene.data,
         bvh=scene.bvh,
         sampler=renderer.sampler,
+        learned=renderer.learned,
         image=renderer.film + size[0] * size[1] * BYTES_TAKEN,
         paths=renderer.paths,
         virtual_lights=virtual_lights,

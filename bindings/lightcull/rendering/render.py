@@ -20,13 +20,13 @@ from .path_job import PathJob
 from .progress import Progress, ProgressCallback
 from .result import RenderResult
 from .settings import RR_DEPTH, RenderSettings
-from .subject import Subject
+from .subject import Subject, subject_of
 from .virtual_light_job import VirtualLightJob
 
 
 def render(
     scene: Scene | Subject,
-    sampler: str = "culled",
+    sampler: str | None = None,
     *,
     method: str = PATH,
     seconds: float | None = None,
@@ -44,15 +44,15 @@ def render(
 ) -> RenderResult:
     """Renders a scene, for `seconds` of wall time (at least one sample) or `spp` samples per pixel.
 
-    scene: ours, or a `lightcull.mitsuba.MitsubaScene`. sampler: a description as in `LightSampler`.
-    size: width and height, pixels. max_depth: longest path, in edges: 1 sees emitters only, 2
-    direct light. method: how light that bounces is found: "path" by paths; "vpl_all", "vpl_culled",
-    "vpl_clamped" and "vpl_grid" by virtual lights where light paths meet surfaces, which wants a
-    max_depth of 3 to 5 (`lightcull render --help` has their options); the sampler is then for
-    direct light. rr_depth: Russian roulette may end a path from this many edges on. direct_light:
-    "mis" samples lights and the BSDF, "lights" or "bsdf" one of them alone. threads: 0 for all; the
-    image does not depend on it. progress: called between
-    passes; what it raises ends the render.
+    scene: ours, or a `lightcull.mitsuba.MitsubaScene`. sampler: a description as in `LightSampler`;
+    None: "learned", or "culled" where glossy virtual lights are among the lights. size: width and
+    height, pixels. max_depth: longest path, in edges: 1 sees emitters only, 2 direct light. method:
+    how light that bounces is found: "path" by paths; "vpl_all", "vpl_culled", "vpl_clamped" and
+    "vpl_grid" by virtual lights where light paths meet surfaces, which wants a max_depth of 3 to 5
+    (`lightcull render --help` has their options); the sampler is then for direct light. rr_depth:
+    Russian roulette may end a path from this many edges on. direct_light: "mis" samples lights and
+    the BSDF, "lights" or "bsdf" one of them alone. threads: 0 for all; the image does not depend on
+    it. progress: called between passes; what it raises ends the render.
 
     checkpoint: a file to which the render is saved every `every` seconds (60 unless told) and at
     its end, from which it can go on; whatever happens, the old one or the new one is there whole. It
@@ -66,6 +66,9 @@ def render(
     """
     budget = Budget(spp, seconds)
     settings = RenderSettings(size, max_depth, seed, threads, rr_depth, direct_light)
+    subject = subject_of(scene)
+    if sampler is None:
+        sampler = subject.best_sampler
     job: Job
     if every is not None and checkpoint is None and resume is None:
         raise Error("every: only with checkpoint or resume")
@@ -82,11 +85,9 @@ def render(
             resume=resume,
         )  # fmt: skip
     else:
-        if not hasattr(scene, "new_job"):
-            raise TypeError(f"scene: wanted a lightcull.Scene, got {scene!r}")
         if checkpoint is not None or resume is not None:
             raise Error("checkpoint and resume: not for a scene of another renderer")
-        job = scene.new_job(sampler, settings, spp)
+        job = subject.new_job(sampler, settings, spp)
         interrupted = _run(job, budget, progress)
     image = job.image()
     _warn_of_nonsense(scene.name, image)

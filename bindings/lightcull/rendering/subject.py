@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Protocol
 
 from ..sampler import check_description
@@ -10,12 +9,6 @@ from ..scene import Scene
 from .job import CountingJob
 from .path_job import PathJob
 from .settings import RenderSettings
-
-_CULLED, _CLUSTERS = "culled", "light_bvh:importance=means"
-"""The samplers of least noise for many lights."""
-_FEW_LIGHTS = 200
-"""With so few, weighing all of them for each point costs little."""
-
 
 class Subject(Protocol):
     """A scene, and the renderer that shows it."""
@@ -35,8 +28,9 @@ class Subject(Protocol):
     ) -> CountingJob:
         """spp: how many samples it will be asked for; None: that depends on time."""
 
-    def reference_samplers(self, under_test: Sequence[str]) -> tuple[str, str]:
-        """What renders the two halves of a reference."""
+    @property
+    def best_sampler(self) -> str:
+        """What it is rendered by unless told, and a reference always."""
 
 
 class OwnSubject:
@@ -59,20 +53,16 @@ class OwnSubject:
     def new_job(self, sampler: str, settings: RenderSettings, spp: int | None = None) -> PathJob:
         return PathJob(self._scene, sampler, settings)
 
-    def reference_samplers(self, under_test: Sequence[str]) -> tuple[str, str]:
-        return samplers_of_reference(under_test, self.light_count)
+    @property
+    def best_sampler(self) -> str:
+        """`learned`; `culled` where glossy points are among the lights, which `learned` refuses."""
+        return "culled" if self._scene.lights()["lobe_alpha"].any() else "learned"
 
 
-def samplers_of_reference(under_test: Sequence[str], light_count: int) -> tuple[str, str]:
-    """Of our own renderer's samplers, as `best_not_under_test`."""
-    best_first = ["exhaustive"] if light_count <= _FEW_LIGHTS else []
-    return best_not_under_test([*best_first, _CULLED, _CLUSTERS], under_test)
-
-
-def best_not_under_test(best_first: Sequence[str], under_test: Sequence[str]) -> tuple[str, str]:
-    """The best sampler that is not under test, for both halves; if all are, the last two, so that
-    what one has wrong shows as noise of the reference.
-    """
-    families = {description.split(":")[0] for description in under_test}
-    free = [sampler for sampler in best_first if sampler.split(":")[0] not in families]
-    return (free[0], free[0]) if free else (best_first[-2], best_first[-1])
+def subject_of(scene: Scene | Subject) -> Subject:
+    """The scene with its renderer; a Scene has ours."""
+    if isinstance(scene, Scene):
+        return OwnSubject(scene)
+    if not hasattr(scene, "new_job"):
+        raise TypeError(f"scene: wanted a lightcull.Scene, got {scene!r}")
+    return scene

@@ -25,6 +25,9 @@ class LIGHTCULL_EXPORT SamplerInfo {
     /// The memory that the sampler keeps, bytes; for a pass with all that it shares.
     virtual std::size_t memory_size() const noexcept = 0;
 
+    /// The most that memory_size() may become: more than it is where a sampler learns.
+    virtual std::size_t memory_limit() const noexcept { return memory_size(); }
+
     /// The number of cells of what was learned; 0 if nothing was.
     virtual std::size_t cell_count() const noexcept { return 0; }
 

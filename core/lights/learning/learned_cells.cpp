@@ -168,11 +168,10 @@ void LearnedCells::rebuild_cuts(const LearnedLights& lights) {
     });
 }
 
-std::size_t LearnedCells::room() const noexcept {
+std::size_t LearnedCells::most_cells() const noexcept {
     constexpr std::size_t kPerCell =
         sizeof(CutPlace) + sizeof(ClusterCut) + sizeof(CutEvidence) + sizeof(Fresh) + 128;
-    const std::size_t most = std::min<std::size_t>(limits_.memory / kPerCell, kMostCells);
-    return most > size() ? most - size() : 0;
+    return std::min<std::size_t>(limits_.memory / kPerCell, kMostCells);
 }
 
 void LearnedCells::make_cells(const LearnedLights& lights) {
@@ -184,8 +183,13 @@ void LearnedCells::make_cells(const LearnedLights& lights) {
     }
     std::vector<MetCell> met = new_cells_->cells();
     new_cells_->clear();
-    keep_most_met(met, room());
+    const std::size_t most = most_cells();
+    keep_most_met(met, most - std::min<std::size_t>(size(), most));
     if (met.empty()) return;
+    // Vectors that grow by themselves may take twice what they hold.
+    places_.reserve(most);
+    cuts_.reserve(most);
+    evidence_.reserve(most);
     const std::size_t first = size();
     std::vector<std::uint32_t> parents;
     parents.reserve(met.size());
@@ -235,6 +239,11 @@ void LearnedCells::refresh(const LearnedLights& lights) noexcept {
 std::size_t LearnedCells::memory_size() const noexcept {
     return tree_.memory_size() + size_of(places_) + size_of(cuts_) + size_of(evidence_) +
            (fresh_ ? size() * sizeof(Fresh) : 0) + (new_cells_ ? NewCells::memory_size() : 0);
+}
+
+std::size_t LearnedCells::memory_limit() const noexcept {
+    const std::size_t now = memory_size();
+    return new_cells_ ? std::max(now, limits_.memory + NewCells::memory_size()) : now;
 }
 
 }  // namespace lightcull

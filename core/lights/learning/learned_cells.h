@@ -91,6 +91,8 @@ class LearnedCells {
                                               const LearnedLights& lights);
 
     std::size_t memory_size() const noexcept;
+    /// The most that memory_size() may become.
+    std::size_t memory_limit() const noexcept;
 
   private:
     /// The shadow rays to each cluster in the round: tries in the lower half, and hits in
@@ -109,7 +111,8 @@ class LearnedCells {
     void make_cells(const LearnedLights& lights);
     /// Adds a cell, without its cut; returns the one that it is part of, or kNone.
     std::uint32_t add_cell(const MetCell& met);
-    std::size_t room() const noexcept;
+    /// The most cells that there may be.
+    std::size_t most_cells() const noexcept;
     void save_cell(ByteWriter& out, std::uint32_t cell) const;
     bool load_cell(ByteReader& in, const LearnedLights& lights);
 

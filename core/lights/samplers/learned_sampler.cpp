@@ -116,6 +116,9 @@ class LearnedPass final : public LightSelector, public SamplerInfo {
         return sampler_info(*fallback_)->memory_size() + lights_->leaves.memory_size() +
                cells_->memory_size();
     }
+    std::size_t memory_limit() const noexcept override {
+        return memory_size() - cells_->memory_size() + cells_->memory_limit();
+    }
     std::size_t cell_count() const noexcept override { return cells_->size(); }
 
   private:
@@ -308,6 +311,7 @@ class LearnedSampler final : public LightSampler, public SamplerInfo {
         return current_->count(point);
     }
     std::size_t memory_size() const noexcept override { return current_->memory_size(); }
+    std::size_t memory_limit() const noexcept override { return current_->memory_limit(); }
     std::size_t cell_count() const noexcept override { return cells_->size(); }
 
   private:

@@ -60,9 +60,10 @@ std::uint32_t to_number(const UInt32& value) {
 /// |               |         | the threads. Of use in scalar variants             |           |
 /// | timeout       | number  | seconds after which the render ends with what      | -1        |
 /// |               |         | there is; negative: no limit                       |           |
-/// | light_sampler | string  | how lights are chosen: a description as            | culled    |
+/// | light_sampler | string  | how lights are chosen: a description as            | learned   |
 /// |               |         | lightcull::parse_sampler() takes it, such as       |           |
-/// |               |         | light_bvh:importance=means                         |           |
+/// |               |         | light_bvh:importance=means; culled where           |           |
+/// |               |         | error_bound or sets are given                      |           |
 /// | error_bound   | number  | error that the ranges of lights allow, > 0:        | auto      |
 /// |               |         | epsilon_max of [TH16] Eq. 7; auto: calibrated on   |           |
 /// |               |         | points of the scene. For culled                    |           |

@@ -47,7 +47,10 @@ void check(const std::string& description) {
 }  // namespace
 
 std::string sampler_description(const Properties& properties) {
-    auto description = properties.get<std::string>("light_sampler", "culled");
+    const bool of_culled =
+        properties.has_property("error_bound") || properties.has_property("sets");
+    auto description =
+        properties.get<std::string>("light_sampler", of_culled ? "culled" : "learned");
     if (properties.has_property("error_bound")) {
         description += ":error_bound=" + error_bound(properties);
     }

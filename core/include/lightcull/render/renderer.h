@@ -52,6 +52,7 @@ struct RenderState {
 struct RendererMemory {
     std::size_t sampler = 0;  ///< the sampler's trees, with all sets of ranges; 0 if it has no
                               ///< SamplerInfo
+    std::size_t learned = 0;  ///< what the sampler may still come to by learning, at most
     std::size_t film = 0;     ///< the sums of the passes, and the pass under way
     std::size_t paths = 0;  ///< the paths that are traced at a time, once a pass has been rendered
 };
