@@ -62,6 +62,10 @@ void rounds(const Scene& scene, lightcull::LightSampler& sampler, const Job& job
     render_tiles_in_rounds(scene, sampler, job, film);
 }
 
+void learning(const Scene& scene, lightcull::LightSampler& sampler, const Job& job, Film& film) {
+    render_tiles_as_it_learns(scene, sampler, job, film);
+}
+
 struct Method {
     const char* name;
     Order order;
@@ -69,12 +73,13 @@ struct Method {
     bool one_pass;
 };
 
-constexpr std::array<Method, 7> kMethods{
+constexpr std::array<Method, 8> kMethods{
     {{"whole passes, 64 sets", whole_passes, "culled:sets=64", false},
      {"whole passes, learned", whole_passes, "learned", false},
      {"tiles, 4096 sets", tiles, "culled:sets=4096", false},
      {"tiles, a pass each 64 samples, 64 sets", tiles, "culled:sets=64", false},
      {"tiles, own pass each 16 samples, 64 sets", rounds, "culled:sets=64", false},
+     {"tiles in rounds, learned", learning, "learned", false},
      {"tiles, but one pass of 64 sets", tiles, "culled:sets=64", true},
      {"whole passes, but begun once", whole_passes, "culled:sets=64", true}}};
 

@@ -20,12 +20,21 @@ using lightcull::LightSelector;
 using lightcull::Selection;
 using lightcull::ShadingPoint;
 
+/// Tells a sampler that learns what a shadow ray found.
+void tell(const LightSelector& pass, const ShadingPoint& point, const Selection& selection,
+          float visibility) {
+    const lightcull::LightOutcome outcome{point.position, point.normal, selection.receipt,
+                                          selection.light, visibility};
+    pass.report({&outcome, 1});
+}
+
 // Tile by tile.
 
 /// One sample of a pixel, with lights from a pass that serves many samples.
 float3 trace(const Scene& scene, const LightSelector& pass, const Job& job, std::uint32_t pixel,
              std::uint32_t sample) {
     Path path = start(scene, job, pixel, sample);
+    const bool reports = pass.wants_reports();
     for (std::uint32_t bounce = 0; arrive(scene, pass, bounce, path); ++bounce) {
         // Each sample of a pixel takes another set. With the same set again and again, the image
         // would converge to a wrong one, as bright or dark at a pixel as that set happens to be.
@@ -33,7 +42,8 @@ float3 trace(const Scene& scene, const LightSelector& pass, const Job& job, std:
                                                            sample, bounce, pass.set_count());
         const ShadingPoint point = shading_point(path, set);
         const Selection selection = pass.select(point, path.random.uniform());
-        add_light(scene, selection, path);
+        const auto visibility = add_light(scene, selection, path);
+        if (reports && visibility) tell(pass, point, selection, *visibility);
         if (!leave(point, selection, path)) break;
     }
     return path.radiance;
@@ -103,6 +113,19 @@ void render_tiles_in_rounds(const Scene& scene, const LightSampler& sampler, con
             add_samples(scene, *pass, job, pixels, first, end, film);
         }
     });
+}
+
+void render_tiles_as_it_learns(const Scene& scene, LightSampler& sampler, const Job& job,
+                               Film& film) {
+    // All tiles end a round before the next begins: it is by what they found that it chooses.
+    std::uint32_t end = job.first_sample;
+    for (std::uint32_t first = end; first < job.end_sample; first = end) {
+        end = std::min(std::max(2 * first, 1u), job.end_sample);
+        sampler.begin_pass(mix(job.seed) + first);
+        for_each_tile(job, [&](std::uint32_t, const std::vector<std::uint32_t>& pixels) {
+            add_samples(scene, sampler, job, pixels, first, end, film);
+        });
+    }
 }
 
 // Whole passes.
@@ -184,12 +207,7 @@ void render_whole_passes(const Scene& scene, LightSampler& sampler, const Job& j
             advance(alive, [&](std::size_t i, std::uint32_t pixel) {
                 const ShadingPoint& point = points[i];
                 const auto visibility = add_light(scene, selections[i], paths[pixel]);
-                if (reports && visibility) {
-                    const lightcull::LightOutcome outcome{point.position, point.normal,
-                                                          selections[i].receipt,
-                                                          selections[i].light, *visibility};
-                    sampler.report({&outcome, 1});
-                }
+                if (reports && visibility) tell(sampler, point, selections[i], *visibility);
                 return leave(point, selections[i], paths[pixel]);
             });
         }

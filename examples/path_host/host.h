@@ -1,6 +1,6 @@
 #pragma once
 
-// A path tracer that lets lightcull choose its lights, in three orders of work. host.cpp is what to
+// A path tracer that lets lightcull choose its lights, in four orders of work. host.cpp is what to
 // read.
 
 #include <lightcull/light_sampler.h>
@@ -46,5 +46,10 @@ void render_tiles(const Scene& scene, const lightcull::LightSampler& sampler, co
 /// them.
 void render_tiles_in_rounds(const Scene& scene, const lightcull::LightSampler& sampler,
                             const Job& job, Film& film);
+
+/// Renders tile by tile in rounds over the whole image, each of as many samples as those before,
+/// for a sampler that learns.
+void render_tiles_as_it_learns(const Scene& scene, lightcull::LightSampler& sampler, const Job& job,
+                               Film& film);
 
 }  // namespace host

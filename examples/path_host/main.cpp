@@ -1,4 +1,4 @@
-// Renders one scene in three orders of work, and writes an image of each.
+// Renders one scene in four orders of work, and writes an image of each.
 //
 //     path_host [--width PIXELS] [--samples COUNT] [--threads COUNT]
 //     path_host --compare [--samples COUNT] [--threads COUNT]
@@ -102,6 +102,12 @@ void render(const Scene& scene, const Job& job) {
         Film film(pixels);
         render_tiles_in_rounds(scene, *sampler, job, film);
         finish("tiles in rounds", "tiles_in_rounds.pfm", film, job);
+    }
+    {
+        const auto sampler = make_light_sampler(scene, lightcull::LearnedOptions{}, 0);
+        Film film(pixels);
+        render_tiles_as_it_learns(scene, *sampler, job, film);
+        finish("tiles, learning", "tiles_learning.pfm", film, job);
     }
 }
 

@@ -34,7 +34,7 @@ def test_it_learns_within_a_render_and_goes_on_if_told_to(variant: str) -> None:
     """Usual are 0.66 and 0.4; where nothing is reported, both are about 1."""
     mi.set_variant(variant)
     scene = mi.load_dict(scenes.lamps_behind_a_wall())
-    culled = noise(scene)
+    culled = noise(scene, light_sampler="culled")
     anew = noise(scene, light_sampler="learned:rounds=300:memory=16") / culled
     kept = noise(scene, light_sampler="learned", keep_learned=True) / culled
     assert anew < 0.85

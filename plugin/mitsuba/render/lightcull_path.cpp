@@ -123,9 +123,10 @@ class LightcullPath final : public MonteCarloIntegrator<Float, Spectrum> {
         } else {
             render_blocks(job);
         }
-        // What was learned stays with its render: an image depends on scene and seed alone.
         if (should_stop()) reusable->sampler().drop_reports();
-        if (!job.learns || keep_learned_) cache_.keep(std::move(reusable));
+        // What was learned stays with its render: an image depends on scene and seed alone.
+        if (!keep_learned_) reusable->forget();
+        cache_.keep(std::move(reusable));
         TensorXf image = finish(sensor->film(), develop, evaluate);
         if (!m_stop) {
             Log(Info, "Rendering finished. (took %s)",

@@ -2,7 +2,9 @@
 
 #include <lightcull/light_sampler.h>
 
+#include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "sampler/sampler_input.h"
 
@@ -19,11 +21,14 @@ class ReusableSampler {
     ::lightcull::LightSampler& sampler() const { return *sampler_; }
     /// Whether what it selects depends on what was reported to it.
     bool learns() const { return learns_; }
+    /// Makes it select as a new one does.
+    void forget() const;
 
   private:
     SamplerInput input_;
     std::unique_ptr<::lightcull::LightSampler> sampler_;
     bool learns_;
+    std::vector<std::uint8_t> nothing_learned_;  ///< its state when it was made
 };
 
 }  // namespace mitsuba::culling
