@@ -46,7 +46,9 @@ struct RangeOptions {
     /// epsilon_max of [TH16] Eq. 7, > 0; none: found so that `expected_accepted` lights are
     /// accepted per point in the mean over SamplerContext::calibration_points.
     std::optional<float> error_bound;
-    float expected_accepted = 16.0f;  ///< lights to accept per point, > 0
+    /// Lights to accept per point, > 0. All are accepted where there are no more than four times
+    /// as many (not by `clamped`).
+    float expected_accepted = 16.0f;
     /// E of [TH16] Eq. 7, > 0; used with a given error_bound only.
     float exposure = 1.0f;
 

@@ -3,6 +3,7 @@
 #include <lightcull/error.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -47,7 +48,18 @@ std::vector<std::size_t> sample_lights(std::size_t n) {
     return sample;
 }
 
-/// The caller's points, or some inside the bounds of the lights.
+/// The extent of a box for what lights of that extent light: a ceiling or a row of lights is flat,
+/// and what it lights is not.
+float3 not_flat(float3 extent) {
+    constexpr float kOfLargest = 0.1f, kOfMiddle = 1.5f;
+    std::array<float, 3> sorted{extent.x, extent.y, extent.z};
+    std::sort(sorted.begin(), sorted.end());
+    const float middle = std::max(sorted[1], kOfLargest * sorted[2]);
+    const float least = kOfMiddle * middle;
+    return max(extent, float3{least, least, least});
+}
+
+/// The caller's points, or some in a box about the lights that is not flat even if they are.
 std::vector<Receiver> points_or_drawn(const RangedScene& scene, Span<const ShadingPoint> given) {
     std::vector<Receiver> points;
     for (const ShadingPoint& point : given) {
@@ -60,7 +72,9 @@ std::vector<Receiver> points_or_drawn(const RangedScene& scene, Span<const Shadi
         high = max(high, light.center);
     }
     RandomStream random(hash(2, 3));
-    const float3 extent = high - low;
+    const float3 center = (low + high) * 0.5f;
+    const float3 extent = not_flat(high - low);
+    low = center - extent * 0.5f;
     for (std::size_t i = 0; i < kDrawnPoints; ++i) {
         const float x = random.next(), y = random.next(), z = random.next();
         points.emplace_back(low + float3{extent.x * x, extent.y * y, extent.z * z},
@@ -69,22 +83,39 @@ std::vector<Receiver> points_or_drawn(const RangedScene& scene, Span<const Shadi
     return points;
 }
 
-/// The distance to the bounding sphere, squared, over intensity, for all pairs of a point and a
-/// sampled light that can reach it: the reach at which p_i becomes 1. The numbers ascend.
-std::vector<float> sorted_thresholds(const RangedScene& scene,
-                                     const std::vector<std::size_t>& sample,
-                                     const std::vector<Receiver>& points) {
-    std::vector<float> thresholds;
-    thresholds.reserve(sample.size() * points.size());
+/// What a calibration looks at: for pairs of a point and a sampled light that can reach it the
+/// distance to the bounding sphere, squared, over intensity, which is the reach at which p_i
+/// becomes 1. The numbers ascend.
+struct Thresholds {
+    std::vector<float> sorted;
+    std::size_t points = 0;  ///< number of points
+
+    void add(const std::vector<float>& of_point) {
+        sorted.insert(sorted.end(), of_point.begin(), of_point.end());
+        ++points;
+    }
+};
+
+/// The thresholds of the points that any light reaches. Points that lie within a light's sphere
+/// count only if there are no others: mostly they lie on the lights themselves.
+Thresholds thresholds_of(const RangedScene& scene, const std::vector<std::size_t>& sample,
+                         const std::vector<Receiver>& points) {
+    Thresholds outside, within;
+    std::vector<float> of_point;
     for (const Receiver& point : points) {
+        of_point.clear();
         for (const std::size_t i : sample) {
             const float distance = scene.distance(i, point);
             if (distance == RangedScene::kOutOfReach) continue;
-            thresholds.push_back(distance * distance / scene.lights[i].intensity);
+            of_point.push_back(distance * distance / scene.lights[i].intensity);
         }
+        if (of_point.empty()) continue;
+        const bool is_within = *std::min_element(of_point.begin(), of_point.end()) == 0.0f;
+        (is_within ? within : outside).add(of_point);
     }
-    std::sort(thresholds.begin(), thresholds.end());
-    return thresholds;
+    Thresholds& thresholds = outside.points > 0 ? outside : within;
+    std::sort(thresholds.sorted.begin(), thresholds.sorted.end());
+    return std::move(thresholds);
 }
 
 /// The sum over the thresholds t of p = min(1, reach / t), or of [t <= reach].
@@ -115,11 +146,16 @@ RangedLight ranged(const LightRecord& light) noexcept {
 
 double reach_of_expected_count(const RangedScene& scene, const RangeOptions& options,
                                Span<const ShadingPoint> given, RangeLaw law) {
+    // So few are weighed in less time than it takes to find out which.
+    constexpr float kFew = 4.0f;
+    if (law == RangeLaw::kRandom &&
+        static_cast<float>(scene.lights.size()) <= kFew * options.expected_accepted) {
+        return kGreatestReach;
+    }
     const std::vector<std::size_t> sample = sample_lights(scene.lights.size());
     const std::vector<Receiver> points = points_or_drawn(scene, given);
-    std::vector<float> thresholds = sorted_thresholds(scene, sample, points);
-    const double per_point = static_cast<double>(points.size()) *
-                             static_cast<double>(sample.size()) /
+    auto [thresholds, point_count] = thresholds_of(scene, sample, points);
+    const double per_point = static_cast<double>(point_count) * static_cast<double>(sample.size()) /
                              static_cast<double>(scene.lights.size());
     // Lights that a point lies in are accepted whatever the reach; half of what is wanted is left
     // for the others at least.

@@ -33,7 +33,8 @@ bool reaches(const LightRecord& light, const Approach& way, const Receiver& x) n
 
 /// The factor by which an intensity is to be multiplied for the square of its range at xi = 1, in
 /// the units of the frame: 1 / alpha_i is reach * intensity. It follows from options.error_bound,
-/// or by bisection from options.expected_accepted of the lights per point that can reach it.
+/// or by bisection from options.expected_accepted of the lights per point that can reach it, in
+/// the mean over the points that any light reaches.
 /// points: SamplerContext::calibration_points. Throws Error for points that are not finite.
 LIGHTCULL_CORE_EXPORT float calibrate_reach(const RangedScene& scene, const RangeOptions& options,
                                             Span<const ShadingPoint> points, RangeLaw law);

@@ -105,19 +105,16 @@ class CutBuilder {
         if (!bvh.nodes.empty()) open(0, {});
     }
 
-    /// Cuts up what gains most by it, as far as there is room.
-    void refine() {
+    /// Cuts up what gains most by it, as far as there is room: all, where that are the lights.
+    void refine(std::uint32_t lights) {
+        if (lights <= ClusterCut::kMaxSize) return open_all();
         while (true) {
             const auto best = std::max_element(
                 clusters_.begin(), clusters_.end(),
                 [](const Candidate& a, const Candidate& b) { return a.gain < b.gain; });
             if (best == clusters_.end() || !(best->gain > kLeastGain * weight_sum_)) return;
             if (clusters_.size() + kWidth - 1 > ClusterCut::kMaxSize) return;
-            const Candidate opened = *best;
-            *best = clusters_.back();
-            clusters_.pop_back();
-            weight_sum_ -= opened.weight;
-            open(opened.child, opened.evidence);
+            open(static_cast<std::size_t>(best - clusters_.begin()));
         }
     }
 
@@ -129,6 +126,29 @@ class CutBuilder {
     static constexpr float kSizeCounts = 4.0f;
     /// The share of all weight below which a gain is not worth a cluster.
     static constexpr float kLeastGain = 1e-3f;
+
+    void open_all() {
+        for (std::size_t i = 0; i < clusters_.size();) {
+            if (is_light(clusters_[i].child)) {
+                ++i;
+            } else {
+                open(i);
+            }
+        }
+    }
+
+    /// Puts the children of a cluster in its place.
+    void open(std::size_t i) {
+        const Candidate opened = clusters_[i];
+        clusters_[i] = clusters_.back();
+        clusters_.pop_back();
+        weight_sum_ -= opened.weight;
+        open(opened.child, opened.evidence);
+    }
+
+    static bool is_light(std::uint32_t child) noexcept {
+        return (child & LightBvhNode::kLight) != 0;
+    }
 
     void open(std::uint32_t n, const Evidence& above) {
         const MeansNode& node = bvh_.nodes[n];
@@ -142,9 +162,10 @@ class CutBuilder {
             const Evidence evidence = known_.of(slot, above, g_sum > 0 ? g.of[i] / g_sum : 0.0f);
             const float factor = visible_factor(evidence), weight = g.of[i] * factor;
             weight_sum_ += weight;
-            const bool is_light = (node.child[i] & LightBvhNode::kLight) != 0;
             const float gain =
-                is_light ? 0.0f : weight * (1.0f - factor + kSizeCounts * relative_size(node, i));
+                is_light(node.child[i])
+                    ? 0.0f
+                    : weight * (1.0f - factor + kSizeCounts * relative_size(node, i));
             clusters_.push_back({slot, node.child[i], evidence, weight, gain});
         }
     }
@@ -183,7 +204,7 @@ void rebuild_cut(const LightBvh<MeansNode>& bvh, const LeafOrder& leaves, const 
                  ClusterCut& cut, CutEvidence& evidence) {
     const KnownEvidence known(bvh, cut, evidence);
     CutBuilder builder(bvh, place, known);
-    builder.refine();
+    builder.refine(leaves.size());
     std::vector<Candidate>& clusters = builder.clusters();
     std::sort(clusters.begin(), clusters.end(), [&](const Candidate& a, const Candidate& b) {
         return leaves.first(a.slot) < leaves.first(b.slot);

@@ -197,6 +197,27 @@ TEST_CASE("learned: probabilities of a receipt are those of select, and sum to 1
     CHECK(taught > 90);
 }
 
+TEST_CASE("learned: where there are few lights, each is weighed as exhaustive weighs it") {
+    std::vector<Light> lights = lamps();
+    lights.resize(100);
+    const std::vector<ShadingPoint> points = floor_points(4000);
+    const auto sampler = make_sampler("learned", lights);
+    for (std::uint64_t pass = 0; pass < 2; ++pass) {
+        sampler->begin_pass(pass);
+        auto outcomes = outcomes_of(*sampler, lights, points, pass);
+        for (LightOutcome& outcome : outcomes) outcome.visibility = 1.0f;
+        sampler->report(outcomes);
+    }
+    sampler->begin_pass(2);
+    for (std::size_t i = 0; i < 50; ++i) {
+        double sum = 0.0;
+        for (const Light& light : lights) sum += given(points[i], light);
+        const Selection chosen = sampler->select(points[i], 0.3f);
+        const double prob = given(points[i], lights[chosen.light]) / sum;
+        CHECK(double{chosen.prob} == doctest::Approx(prob).epsilon(1e-3));
+    }
+}
+
 TEST_CASE("learned: the order of reports, and one point at a time or many, change no bit") {
     const std::vector<Light> lights = lamps();
     const std::vector<ShadingPoint> points = floor_points(2000);

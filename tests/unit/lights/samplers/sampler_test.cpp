@@ -294,6 +294,56 @@ TEST_CASE("auto accepts as many lights as it was told, at any scale and brightne
     }
 }
 
+TEST_CASE("points on lights, and where no light comes to, do not count when auto is found") {
+    std::vector<Light> ceiling;
+    std::vector<ShadingPoint> lit, mixed;
+    RandomStream random(5);
+    const auto place = [&](float y) {
+        return float3{8.0f * random.next(), y, 8.0f * random.next()};
+    };
+    for (int i = 0; i < 800; ++i) {
+        const float3 a = place(3.0f);
+        ceiling.push_back(triangle_light(a, a + float3{0.1f, 0, 0}, a + float3{0, 0, 0.1f}, 1.0f));
+    }
+    for (int i = 0; i < 100; ++i) {
+        lit.push_back({place(0.0f), {0, 1, 0}, 0});
+        mixed.push_back(lit.back());
+        mixed.push_back({ceiling[static_cast<std::size_t>(i)].center, {0, -1, 0}, 0});
+        mixed.push_back({place(5.0f), {0, 1, 0}, 0});
+    }
+    const auto accepted = [&](Span<const ShadingPoint> points) {
+        SamplerContext context;
+        context.calibration_points = points;
+        const auto sampler = make_sampler("culled:group=1", ceiling, context);
+        double sum = 0.0;
+        for (std::uint64_t pass = 0; pass < 20; ++pass) {
+            sampler->begin_pass(pass);
+            for (const ShadingPoint& point : lit) {
+                sum += sampler_info(*sampler)->count(point).accepted;
+            }
+        }
+        return sum / (20.0 * 100.0);
+    };
+    CHECK(accepted(lit) == doctest::Approx(16.0).epsilon(0.05));
+    CHECK(accepted(mixed) == accepted(lit));
+    // No points are given, and the lights' bounds are flat.
+    CHECK(accepted({}) > 8.0);
+    CHECK(accepted({}) < 40.0);
+}
+
+TEST_CASE("culled weighs all lights where there are few") {
+    const std::vector<Light> lights = mixed_lights(repetitions(60u, 60u), 71, 4.0f);
+    const auto culled = make_sampler("culled", lights);
+    const auto exhaustive = make_sampler("exhaustive", lights);
+    culled->begin_pass(3);
+    for (const ShadingPoint& point : mixed_points(50, 72, 1, 1.0f)) {
+        const Selection all = exhaustive->select(point, 0.4f);
+        const SelectionCounts few = sampler_info(*culled)->count(point);
+        CHECK(few.accepted == sampler_info(*exhaustive)->count(point).accepted);
+        CHECK((culled->select(point, 0.4f).prob > 0.0f) == (all.prob > 0.0f));
+    }
+}
+
 TEST_CASE("a given error bound is that of Eq. 7, in the caller's units") {
     // The range follows from alpha = 2 pi eps / (E I): with E I / (2 pi eps) = 4 m^2 a light is
     // certain up to 2 m.
