@@ -124,6 +124,27 @@ def test_gltf_punctual_lights(tmp_path: Path) -> None:
     assert point["intensity"] == pytest.approx(2)
 
 
+def test_gltf_spots_with_a_hard_edge_are_lit(tmp_path: Path) -> None:
+    # Blender's exporter writes equal angles.
+    file = GltfFile()
+    file.node(mesh=file.quad(), scale=[20, 20, 1])
+    file.camera(translation=[0, 0, 2])
+    angle = np.radians(22.5)
+    spot = {"innerConeAngle": angle, "outerConeAngle": angle}
+    for x in (-0.3, 0.3):
+        light = file.light(type="spot", intensity=4, spot=spot)
+        file.node(extensions=light, translation=[x, 0, 1])  # it looks down -Z at the quad
+    scene = lightcull.load(file.write(tmp_path / "a.glb"))
+    images = {
+        sampler: lightcull.render(scene, sampler, spp=64, size=(24, 24), seed=1).image
+        for sampler in ("uniform", "exhaustive", "culled", "light_bvh")
+    }
+    expected = images.pop("uniform").mean()
+    assert expected > 0
+    for image in images.values():
+        assert image.mean() == pytest.approx(expected, rel=0.02)
+
+
 def test_gltf_nodes_place_and_mirror(tmp_path: Path) -> None:
     file = GltfFile()
     quad = file.quad(file.add("materials", {"emissiveFactor": [1, 1, 1]}))
