@@ -135,14 +135,15 @@ def test_gltf_spots_with_a_hard_edge_are_lit(tmp_path: Path) -> None:
         light = file.light(type="spot", intensity=4, spot=spot)
         file.node(extensions=light, translation=[x, 0, 1])  # it looks down -Z at the quad
     scene = lightcull.load(file.write(tmp_path / "a.glb"))
-    images = {
-        sampler: lightcull.render(scene, sampler, spp=64, size=(24, 24), seed=1).image
-        for sampler in ("uniform", "exhaustive", "culled", "light_bvh")
-    }
-    expected = images.pop("uniform").mean()
+
+    def mean(sampler: str, spp: int) -> float:
+        return float(lightcull.render(scene, sampler, spp=spp, size=(24, 24), seed=1).image.mean())
+
+    # Where one of them shines, uniform chooses the other half of the time: its error is 0.3 %.
+    expected = mean("uniform", 1024)
     assert expected > 0
-    for image in images.values():
-        assert image.mean() == pytest.approx(expected, rel=0.02)
+    for sampler in ("exhaustive", "culled", "light_bvh"):
+        assert mean(sampler, 64) == pytest.approx(expected, rel=0.015)
 
 
 def test_gltf_nodes_place_and_mirror(tmp_path: Path) -> None:
