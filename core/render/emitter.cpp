@@ -36,7 +36,7 @@ struct Sampler {
 
     EmitterSample operator()(const SpotEmitter& emitter) const noexcept {
         EmitterSample s = from_point(emitter.position, emitter.intensity);
-        s.radiance *= spot_falloff(emitter, -s.direction.dot(emitter.direction));
+        s.radiance *= spot_falloff(emitter, versine(-s.direction, emitter.direction));
         return s;
     }
 
@@ -79,19 +79,20 @@ EmitterSample sample_emitter(const SceneData& scene, const Emitter& emitter, con
     return sample(*std::get_if<VirtualEmitter>(&emitter));
 }
 
-float spot_falloff(const SpotEmitter& emitter, float cosine) noexcept {
-    if (cosine >= emitter.cos_inner) return 1.0f;
-    if (cosine <= emitter.cos_outer) return 0.0f;
-    const float ramp = (cosine - emitter.cos_outer) / (emitter.cos_inner - emitter.cos_outer);
+float spot_falloff(const SpotEmitter& emitter, float versine) noexcept {
+    if (versine <= emitter.inner) return 1.0f;
+    if (versine >= emitter.outer) return 0.0f;
+    const float ramp = (emitter.outer - versine) / (emitter.outer - emitter.inner);
     return ramp * ramp;
 }
 
 float triangle_pdf(const TriangleEmitter& emitter, const V3f& to_place) noexcept {
-    // |normal| is twice the area, so that distance^2 / (cosine * area) becomes:
+    // |normal| is twice the area, so that distance^2 / (cosine * area) becomes this. No third power
+    // of a length is formed, which floats could not hold.
     const V3f normal = emitter.edge1.cross(emitter.edge2);
-    const float projected = 0.5f * std::fabs(normal.dot(to_place));
     const float distance2 = to_place.dot(to_place);
-    const float pdf = distance2 * std::sqrt(distance2) / projected;
+    const float projected = 0.5f * std::fabs(normal.dot(to_place / std::sqrt(distance2)));
+    const float pdf = distance2 / projected;
     return std::isfinite(pdf) ? pdf : 0.0f;
 }
 

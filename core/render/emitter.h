@@ -6,6 +6,7 @@
 #include <lightcull/light.h>
 #include <lightcull/render/scene.h>
 
+#include <cmath>
 #include <cstdint>
 #include <variant>
 
@@ -25,12 +26,24 @@ struct PointEmitter {
 };
 
 /// A spot of full intensity up to the inner angle, then down to 0 at the outer one as the square of
-/// a ramp in the cosine (glTF's KHR_lights_punctual).
+/// a ramp in the cosine (glTF's KHR_lights_punctual). Angles t are known by their versines
+/// 1 - cos t, which tell small ones apart where cosines, all near 1, do not.
 struct SpotEmitter {
     V3f position, intensity;
-    V3f direction;  ///< direction of the spot, unit length
-    float cos_inner, cos_outer;
+    V3f direction;       ///< direction of the spot, unit length
+    float inner, outer;  ///< versines of the angles
 };
+
+inline float versine(float angle) noexcept {
+    const double sine = std::sin(0.5 * static_cast<double>(angle));
+    return static_cast<float>(2.0 * sine * sine);
+}
+
+/// The versine of the angle between two vectors of unit length.
+inline float versine(const V3f& a, const V3f& b) noexcept {
+    const V3f between = a - b;
+    return 0.5f * between.dot(between);
+}
 
 /// An element of SceneData::virtual_lights, which are larger than other emitters.
 struct VirtualEmitter {
@@ -54,8 +67,9 @@ struct EmitterSample {
 EmitterSample sample_emitter(const SceneData& scene, const Emitter& emitter, const V3f& from,
                              const V2f& u) noexcept;
 
-/// The part of its intensity that a spot emits at `cosine` from its direction.
-LIGHTCULL_CORE_EXPORT float spot_falloff(const SpotEmitter& emitter, float cosine) noexcept;
+/// The part of its intensity that a spot emits at an angle to its direction, of which this is the
+/// versine.
+LIGHTCULL_CORE_EXPORT float spot_falloff(const SpotEmitter& emitter, float versine) noexcept;
 
 /// Density per solid angle, seen from a point, of a place on the triangle that sample_emitter()
 /// would have chosen: `to_place` leads from the point to it. 0 in the triangle's plane.

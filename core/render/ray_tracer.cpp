@@ -1,5 +1,6 @@
 #include "render/ray_tracer.h"
 
+#include "base/memory_size.h"
 #include "render/embree.h"
 
 #include <lightcull/error.h>
@@ -8,29 +9,45 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <cstddef>
 #include <cstring>
 #include <string>
+#include <vector>
 
 namespace lightcull {
 namespace {
 
 constexpr std::size_t kPacket = 16;
 
-/// Fills a packet and returns how many of its lanes are in use.
-std::size_t fill(Span<const Ray> rays, std::size_t first, RTCRay16& packet, int* valid) noexcept {
+/// A power of 2 that brings coordinates up to `reach` into the range in which Embree's products of
+/// lengths are right: it takes triangles of less than some 1e-18 square metres for points, and
+/// misses those whose third powers of edges floats do not hold. 1 for all but the oddest scenes.
+float scale_for_embree(float reach) noexcept {
+    constexpr float kLeast = 0x1p-10f, kMost = 0x1p30f;
+    if (!(reach > 0.0f) || (reach >= kLeast && reach <= kMost)) return 1.0f;
+    // Embree takes no numbers above 1e18; a host's points may be far beyond the scene.
+    constexpr int kMostExponent = 40;
+    return std::ldexp(1.0f, std::min(-std::ilogb(reach), kMostExponent));
+}
+
+/// Fills a packet with rays in units of 1 / scale metres and returns how many of its lanes are in
+/// use. Directions only grow: Embree takes small parts of them for 0.
+std::size_t fill(Span<const Ray> rays, std::size_t first, float scale, RTCRay16& packet,
+                 int* valid) noexcept {
     const std::size_t count = std::min(kPacket, rays.size() - first);
+    const float stretch = std::max(scale, 1.0f), shortening = std::min(scale, 1.0f);
     for (std::size_t i = 0; i < kPacket; ++i) {
         // Idle lanes repeat the last ray, so that they hold numbers.
         const Ray& ray = rays[first + std::min(i, count - 1)];
         valid[i] = i < count ? -1 : 0;
-        packet.org_x[i] = ray.origin.x;
-        packet.org_y[i] = ray.origin.y;
-        packet.org_z[i] = ray.origin.z;
-        packet.dir_x[i] = ray.direction.x;
-        packet.dir_y[i] = ray.direction.y;
-        packet.dir_z[i] = ray.direction.z;
-        packet.tfar[i] = ray.end;
+        packet.org_x[i] = ray.origin.x * scale;
+        packet.org_y[i] = ray.origin.y * scale;
+        packet.org_z[i] = ray.origin.z * scale;
+        packet.dir_x[i] = ray.direction.x * stretch;
+        packet.dir_y[i] = ray.direction.y * stretch;
+        packet.dir_z[i] = ray.direction.z * stretch;
+        packet.tfar[i] = ray.end * shortening;
     }
     return count;
 }
@@ -46,6 +63,8 @@ void prepare(RTCRay16& packet) noexcept {
 struct RayTracer::Handles {
     RTCDevice device = nullptr;
     RTCScene scene = nullptr;
+    float scale = 1.0f;               ///< parts of a metre in Embree's unit of length
+    std::vector<V3f> scaled;          ///< positions in that unit; none where it is the metre
     std::atomic<::ssize_t> bytes{0};  ///< bytes that Embree has taken and not given back
 
     Handles() = default;
@@ -64,6 +83,15 @@ struct RayTracer::Handles {
         rtcSetDeviceMemoryMonitorFunction(device, add, &bytes);
     }
 
+    /// Sets the unit of length and returns the positions in it.
+    const V3f* rescaled(Span<const V3f> positions, float reach) {
+        scale = scale_for_embree(reach);
+        if (scale == 1.0f) return positions.data();
+        scaled.reserve(positions.size() + 1);  // Embree reads 16 bytes from the last position.
+        for (const V3f& p : positions) scaled.push_back(p * scale);
+        return scaled.data();
+    }
+
     void check() const {
         const RTCError error = rtcGetDeviceError(device);
         if (error != RTC_ERROR_NONE) {
@@ -73,7 +101,7 @@ struct RayTracer::Handles {
     }
 };
 
-RayTracer::RayTracer(Span<const V3f> positions, Span<const std::uint32_t> indices)
+RayTracer::RayTracer(Span<const V3f> positions, Span<const std::uint32_t> indices, float reach)
     : handles_(std::make_unique<Handles>()) {
     handles_->device = rtcNewDevice(nullptr);
     handles_->check();
@@ -82,9 +110,10 @@ RayTracer::RayTracer(Span<const V3f> positions, Span<const std::uint32_t> indice
     // With this flag no light leaks along shared edges.
     rtcSetSceneFlags(handles_->scene, RTC_SCENE_FLAG_ROBUST);
     if (!indices.empty()) {
+        const V3f* vertices = handles_->rescaled(positions, reach);
         RTCGeometry geometry = rtcNewGeometry(handles_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                   positions.data(), 0, sizeof(V3f), positions.size());
+        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, vertices,
+                                   0, sizeof(V3f), positions.size());
         rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
                                    indices.data(), 0, 3 * sizeof(std::uint32_t),
                                    indices.size() / 3);
@@ -97,7 +126,8 @@ RayTracer::RayTracer(Span<const V3f> positions, Span<const std::uint32_t> indice
 }
 
 std::size_t RayTracer::memory_size() const noexcept {
-    return static_cast<std::size_t>(std::max<::ssize_t>(handles_->bytes, 0));
+    return static_cast<std::size_t>(std::max<::ssize_t>(handles_->bytes, 0)) +
+           size_of(handles_->scaled);
 }
 
 RayTracer::~RayTracer() = default;
@@ -109,7 +139,7 @@ void RayTracer::intersect(Span<const Ray> rays, Span<Hit> hits, bool coherent) c
     alignas(64) int valid[kPacket];
     prepare(packet.ray);
     for (std::size_t first = 0; first < rays.size(); first += kPacket) {
-        const std::size_t count = fill(rays, first, packet.ray, valid);
+        const std::size_t count = fill(rays, first, handles_->scale, packet.ray, valid);
         std::fill_n(packet.hit.geomID, kPacket, RTC_INVALID_GEOMETRY_ID);
         embree::intersect16(valid, handles_->scene, packet, coherent);
         for (std::size_t i = 0; i < count; ++i) {
@@ -125,7 +155,7 @@ void RayTracer::occluded(Span<const Ray> rays, Span<std::uint8_t> occluded) cons
     alignas(64) int valid[kPacket];
     prepare(packet);
     for (std::size_t first = 0; first < rays.size(); first += kPacket) {
-        const std::size_t count = fill(rays, first, packet, valid);
+        const std::size_t count = fill(rays, first, handles_->scale, packet, valid);
         embree::occluded16(valid, handles_->scene, packet);
         for (std::size_t i = 0; i < count; ++i) {
             occluded[first + i] = packet.tfar[i] < 0.0f ? 1 : 0;

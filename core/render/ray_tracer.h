@@ -16,8 +16,9 @@ namespace lightcull {
 class LIGHTCULL_CORE_EXPORT RayTracer {
   public:
     /// Builds the acceleration structure in the caller's TBB arena. `positions` stay the caller's,
-    /// who keeps them in place and one more element readable after the last. Throws Error.
-    RayTracer(Span<const V3f> positions, Span<const std::uint32_t> indices);
+    /// who keeps them in place and one more element readable after the last. reach: the largest
+    /// coordinate, but for its sign, of what rays begin or end at. Throws Error.
+    RayTracer(Span<const V3f> positions, Span<const std::uint32_t> indices, float reach);
     ~RayTracer();
     RayTracer(RayTracer&&) noexcept;
     RayTracer& operator=(RayTracer&&) noexcept;
@@ -28,7 +29,7 @@ class LIGHTCULL_CORE_EXPORT RayTracer {
     /// occluded[i] is 1 if anything is hit by rays[i] before its end, else 0.
     void occluded(Span<const Ray> rays, Span<std::uint8_t> occluded) const noexcept;
 
-    /// The memory that Embree keeps, bytes.
+    /// The memory that the acceleration structure takes, bytes.
     std::size_t memory_size() const noexcept;
 
   private:

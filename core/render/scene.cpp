@@ -70,6 +70,29 @@ void check_geometry(const std::string& name, const Mesh& mesh) {
     check_attribute(name + ": uvs", mesh.uvs, mesh.positions.size(), "positions");
 }
 
+V3f radiance_of(const Emission& emission, std::size_t triangle) noexcept {
+    const V3f radiance = to_v3f(emission.radiance);
+    if (emission.face_radiance.empty()) return radiance;
+    return radiance * to_v3f(emission.face_radiance[triangle]);
+}
+
+/// Checks that floats hold the areas of triangles that emit and have one: else the light of those
+/// would be lost.
+void check_areas(const std::string& name, const Mesh& mesh) {
+    constexpr double kLeast = std::numeric_limits<float>::min();
+    if (!(luminance(to_v3f(mesh.emission.radiance)) > 0.0f)) return;
+    for (std::size_t i = 0; i < mesh.indices.size() / 3; ++i) {
+        if (!(luminance(radiance_of(mesh.emission, i)) > 0.0f)) continue;
+        const auto corner = [&](std::size_t k) {
+            return Imath::V3d(to_v3f(mesh.positions[mesh.indices[3 * i + k]]));
+        };
+        const double twice = (corner(1) - corner(0)).cross(corner(2) - corner(0)).length();
+        if (!(twice > 0.0 && twice < kLeast)) continue;
+        check::fail(name + ": triangle " + std::to_string(i),
+                    "emits, and its area is below 6e-39 m^2, which floats do not hold");
+    }
+}
+
 void check_emission(const std::string& name, const Mesh& mesh, std::size_t texture_count) {
     const Emission& e = mesh.emission;
     check::radiometric(name + ": emission.radiance", e.radiance);
@@ -102,6 +125,17 @@ void check_mesh(const std::string& name, const Mesh& mesh, const SceneData& scen
                     "has textures, and the mesh has no uvs");
     }
     check_emission(name, mesh, scene.textures.size());
+    check_areas(name, mesh);
+}
+
+/// The largest coordinate, but for its sign, of what is in the scene.
+float reach_of(const SceneData& scene) noexcept {
+    float reach = max_component(abs(to_v3f(scene.camera.origin))) + scene.camera.aperture_radius;
+    for (const V3f& p : scene.positions) reach = std::max(reach, max_component(abs(p)));
+    for (const Light& light : scene.lights) {
+        reach = std::max(reach, max_component(abs(to_v3f(light.center))));
+    }
+    return reach;
 }
 
 /// Adds lights for the emissive triangles of the mesh that was added last.
@@ -110,8 +144,7 @@ void add_triangle_lights(SceneData& scene, const Mesh& mesh) {
     const std::size_t count = mesh.indices.size() / 3;
     const std::size_t first = scene.triangles.size() - count;
     for (std::size_t i = 0; i < count; ++i) {
-        V3f radiance = to_v3f(e.radiance);
-        if (!e.face_radiance.empty()) radiance *= to_v3f(e.face_radiance[i]);
+        const V3f radiance = radiance_of(e, i);
         if (!(luminance(radiance) > 0.0f)) continue;
 
         const auto triangle = static_cast<std::uint32_t>(first + i);
@@ -212,7 +245,7 @@ void Scene::add_spot_light(float3 position, float3 direction, float3 intensity, 
         check::fail(name + "inner and outer", "are not 0 <= inner <= outer <= pi");
     }
     data_->emitters.emplace_back(
-        SpotEmitter{to_v3f(position), to_v3f(intensity), axis, std::cos(inner), std::cos(outer)});
+        SpotEmitter{to_v3f(position), to_v3f(intensity), axis, versine(inner), versine(outer)});
     data_->lights.push_back(
         spot_light(position, to_float3(axis), luminance(to_v3f(intensity)), inner, outer));
 }
@@ -240,7 +273,7 @@ void Scene::commit() {
     auto& positions = data_->positions;
     // Embree reads 16 bytes from the last position.
     positions.reserve(positions.size() + 1);
-    data_->ray_tracer.emplace(positions, data_->indices);
+    data_->ray_tracer.emplace(positions, data_->indices, reach_of(*data_));
 }
 
 Span<const Light> Scene::lights() const noexcept {

@@ -63,7 +63,7 @@ Surface make_surface(const SceneData& scene, const Hit& hit, const V3f& directio
 
     Surface s;
     s.position = a * (1.0f - hit.u - hit.v) + b * hit.u + c * hit.v;
-    s.normal = edge1.cross(edge2).normalized();
+    s.normal = triangle_normal(edge1, edge2);
     if (s.normal.dot(direction) > 0.0f) s.normal = -s.normal;
     const V3f magnitude(std::max({std::fabs(a.x), std::fabs(b.x), std::fabs(c.x)}),
                         std::max({std::fabs(a.y), std::fabs(b.y), std::fabs(c.y)}),

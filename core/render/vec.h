@@ -47,6 +47,16 @@ inline float luminance(const V3f& rgb) noexcept {
     return 0.2126f * rgb.x + 0.7152f * rgb.y + 0.0722f * rgb.z;
 }
 
+/// The unit normal of a triangle by two of its edges, 0 if it has no area. The fourth power of an
+/// edge, which floats do not hold of each, is formed only where they do.
+inline V3f triangle_normal(const V3f& edge1, const V3f& edge2) noexcept {
+    constexpr float kLeast = 1e-30f, kMost = 1e38f;
+    const V3f across = edge1.cross(edge2);
+    const float squared = across.dot(across);
+    if (squared > kLeast && squared < kMost) return across / std::sqrt(squared);
+    return V3f(Imath::V3d(across).normalized());
+}
+
 /// An orthonormal basis around a unit normal (Duff et al. 2017, "Building an Orthonormal Basis,
 /// Revisited").
 class Basis {

@@ -161,10 +161,10 @@ Layout order() {
 /// The layout of light records: from the axis on, two 16-bit numbers to a word.
 Layout light_records() {
     constexpr std::size_t kAxis = offsetof(LightRecord, axis);
-    static_assert(offsetof(LightRecord, cos_theta_o) == kAxis + 6);
+    static_assert(offsetof(LightRecord, half_sine_o) == kAxis + 6);
     return {{MEMBER(LightRecord, center), MEMBER(LightRecord, radius),
              MEMBER(LightRecord, intensity), Member{kAxis, 4, false}, Member{kAxis + 4, 4, false},
-             Member{offsetof(LightRecord, cos_theta_e), 4, false}},
+             Member{offsetof(LightRecord, sin_theta_e), 4, false}},
             sizeof(LightRecord)};
 }
 

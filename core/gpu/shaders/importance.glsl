@@ -9,40 +9,62 @@ float other_of(float sine_or_cosine) {
     return root(max(square, 0.0));
 }
 
+Angle angle_of_half_sine(float half_sine) {
+    const float twice = half_sine + half_sine;
+    precise float sine = twice * other_of(half_sine);
+    precise float cosine = 1.0 - twice * half_sine;
+    return Angle(sine, cosine);
+}
+
 Angle subtract_clamped(Angle a, Angle b) {
-    if (a.cosine >= b.cosine) return Angle(0.0, 1.0);
     precise float sine = a.sine * b.cosine - a.cosine * b.sine;
+    if (!(sine > 0.0)) return Angle(0.0, 1.0);
     precise float cosine = a.cosine * b.cosine + a.sine * b.sine;
     return Angle(sine, cosine);
 }
 
-// A 16-bit integer of a record, in its low or high half, by LightRecord::kSnorm.
-float snorm(uint word, int offset) {
-    precise float value = float(bitfieldExtract(int(word), offset, 16)) * (1.0 / 32767.0);
-    return value;
+// A 16-bit integer of a record, in its low or high half.
+int half_word(uint word, int offset) {
+    return bitfieldExtract(int(word), offset, 16);
 }
+
+const float kSnorm = 1.0 / 32767.0;
 
 bool is_two_sided(LightRecord light) {
-    return (light.cos_theta_e_two_sided >> 16) != 0;
+    return (light.sin_theta_e_two_sided >> 16) != 0;
 }
 
-vec3 axis_of(LightRecord light) {
-    return vec3(snorm(light.axis_xy, 0), snorm(light.axis_xy, 16),
-                snorm(light.axis_z_cos_theta_o, 0));
+vec3 snorm_axis_of(LightRecord light) {
+    return vec3(half_word(light.axis_xy, 0), half_word(light.axis_xy, 16),
+                half_word(light.axis_z_half_sine_o, 0));
 }
 
-// The largest cosine of the emission of a light whose bounding sphere the point is outside of.
+vec3 cross3(vec3 a, vec3 b) {
+    precise float x = a.y * b.z - a.z * b.y;
+    precise float y = a.z * b.x - a.x * b.z;
+    precise float z = a.x * b.y - a.y * b.x;
+    return vec3(x, y, z);
+}
+
+const float kAxisRounding = 5e-5;
+
+// The largest cosine with which anything in a light's cone of normals may emit towards a point that
+// is outside of its bounding sphere; not above 0 where nothing can.
 float emitter_bound(LightRecord light, vec3 way, float distance) {
-    precise vec3 direction = way * quotient(1.0, distance);
-    float cos_theta = clamp(-dot3(axis_of(light), direction), -1.0, 1.0);
-    if (is_two_sided(light)) cos_theta = abs(cos_theta);
-    const float cos_theta_o = snorm(light.axis_z_cos_theta_o, 16);
-    const float half_sine = quotient(light.radius, distance);
-    const Angle from_normal = subtract_clamped(Angle(other_of(cos_theta), cos_theta),
-                                               Angle(other_of(cos_theta_o), cos_theta_o));
-    const float cosine =
-        subtract_clamped(from_normal, Angle(half_sine, other_of(half_sine))).cosine;
-    return cosine > snorm(light.cos_theta_e_two_sided, 0) ? cosine : 0.0;
+    const float inverse = quotient(1.0, distance);
+    precise vec3 axis = snorm_axis_of(light) * kSnorm;
+    const vec3 across = cross3(axis, way);
+    precise float cosine = -dot3(axis, way) * inverse;
+    if (is_two_sided(light)) cosine = abs(cosine);
+    precise float sine = root(dot3(across, across)) * inverse;
+    precise float half_sine = float(half_word(light.axis_z_half_sine_o, 16)) * kSnorm;
+    Angle from_normal = subtract_clamped(Angle(sine, cosine), angle_of_half_sine(half_sine));
+    if (light.radius > 0.0) {
+        precise float half_view = light.radius * inverse;
+        from_normal = subtract_clamped(from_normal, Angle(half_view, other_of(half_view)));
+    }
+    precise float largest = float(half_word(light.sin_theta_e_two_sided, 0)) * 3.05201e-5;
+    return from_normal.sine <= largest ? from_normal.cosine : 0.0;
 }
 
 const float kMinDistance2 = 1e-30;
@@ -73,12 +95,13 @@ float light_importance(LightRecord light, Receiver point, Way way) {
 
     float emitter = 1.0;
     const float distance = root(way.distance2);
-    if (bitfieldExtract(int(light.axis_z_cos_theta_o), 16, 16) == 32767) {
-        float height = -dot3(axis_of(light), way.way);
+    const int half_sine_o = half_word(light.axis_z_half_sine_o, 16);
+    if (half_sine_o == 0) {
+        precise float height = -dot3(snorm_axis_of(light), way.way) * kSnorm;
         if (is_two_sided(light)) height = abs(height);
-        precise float cosine = height * inverse + 5e-5;
+        precise float cosine = height * inverse + kAxisRounding;
         emitter = min(cosine, 1.0);
-    } else if (distance > light.radius) {
+    } else if (distance > light.radius && half_sine_o != 32767) {
         emitter = emitter_bound(light, way.way, distance);
     }
     if (!(emitter > 0.0)) return 0.0;

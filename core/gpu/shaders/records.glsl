@@ -29,8 +29,8 @@ struct LightRecord {
     float radius;
     float intensity;
     uint axis_xy;
-    uint axis_z_cos_theta_o;
-    uint cos_theta_e_two_sided;
+    uint axis_z_half_sine_o;
+    uint sin_theta_e_two_sided;
 };
 
 // The record of lights/groups/light_groups.h.

@@ -9,7 +9,8 @@ namespace lightcull {
 ///
 /// The directions follow Conty Estevez & Kulla 2018: every normal of the light lies within
 /// theta_o of `axis`, and it emits up to theta_e from its normal, with the cosine of that angle.
-/// A cos_theta_o of exactly 1 says that all of the light lies in one plane through `center`.
+/// A cos_theta_o of exactly 1 says that all of the light lies in one plane through `center`. Both
+/// cosines may have been rounded to floats: a sampler takes the cones that they then may stand for.
 ///
 /// | light                | axis      | cos_theta_o | cos_theta_e |
 /// |----------------------|-----------|-------------|-------------|

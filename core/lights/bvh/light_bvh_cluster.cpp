@@ -23,6 +23,20 @@ float3 turned(float3 axis, float3 target, float angle) noexcept {
     return result * (1.0f / length(result));
 }
 
+/// True if a cone holds a narrower one about another axis. Sines tell small angles apart, and
+/// cosines large ones.
+bool holds(const EmissionCone& wide, float3 axis, const EmissionCone& narrow) noexcept {
+    const float cos_of_difference =
+        wide.cos_theta_o * narrow.cos_theta_o + wide.sin_theta_o * narrow.sin_theta_o;
+    const float cosine = dot(wide.axis, axis);
+    constexpr float kSmall = 0.9f;
+    if (cosine < kSmall || cos_of_difference < kSmall) return cosine >= cos_of_difference;
+    const float sin_of_difference =
+        wide.sin_theta_o * narrow.cos_theta_o - wide.cos_theta_o * narrow.sin_theta_o;
+    const float3 across = cross(wide.axis, axis);
+    return dot(across, across) <= sin_of_difference * sin_of_difference;
+}
+
 /// The share of a light's emission that follows the cosine to its axis, from all of it for flat
 /// lights to none for lights that look the same from everywhere they are seen.
 float cosine_share(const EmissionCone& cone) noexcept {
@@ -55,9 +69,7 @@ EmissionCone merge(const EmissionCone& first, const EmissionCone& second) noexce
     }
     const bool opposed = result.two_sided && dot(wide.axis, narrow.axis) < 0.0f;
     const float3 other = opposed ? -narrow.axis : narrow.axis;
-    const float cos_of_difference =
-        wide.cos_theta_o * narrow.cos_theta_o + wide.sin_theta_o * narrow.sin_theta_o;
-    if (wide.theta_o >= kPi || dot(wide.axis, other) >= cos_of_difference) return result;
+    if (wide.theta_o >= kPi || holds(wide, other, narrow)) return result;
 
     const float between = angle_between(wide.axis, other);
     const float theta_o = 0.5f * (wide.theta_o + between + narrow.theta_o);
@@ -78,25 +90,26 @@ EmissionCone merge(const EmissionCone& first, const EmissionCone& second) noexce
 
 float orientation_measure(const EmissionCone& cone) noexcept {
     const float end = cone.theta();
-    const float o = cone.theta_o;
-    const float tail =
-        0.25f * (cone.cos_theta_o - std::cos(2.0f * end - o)) + 0.5f * cone.sin_theta_o * (end - o);
-    const float one_side = 2.0f * kPi * (1.0f - cone.cos_theta_o + tail);
+    const float beyond = end - cone.theta_o;
+    const float half_sine = std::sin(0.5f * cone.theta_o);
+    // No cosines are subtracted: those of narrow cones do not differ.
+    const float tail = 0.5f * (std::sin(end) * std::sin(beyond) + cone.sin_theta_o * beyond);
+    const float one_side = 2.0f * kPi * (2.0f * half_sine * half_sine + tail);
     return std::min(cone.two_sided ? 2.0f * one_side : one_side, 4.0f * kPi);
 }
 
 LightCluster cluster_of(const LightRecord& light) noexcept {
     LightCluster result;
-    result.flat = light.cos_theta_o == LightRecord::kFlat;
+    result.flat = light.is_flat();
     const float3 r{light.radius, light.radius, light.radius};
     result.box = {light.center - r, light.center + r};
     EmissionCone& cone = result.cone;
     const float3 axis = axis_of(light);
     if (const float norm = length(axis); norm > 0.0f) cone.axis = axis * (1.0f / norm);
-    cone.set_theta_o(
-        std::acos(std::max(-1.0f, static_cast<float>(light.cos_theta_o) * LightRecord::kSnorm)));
-    const float cos_theta_e = static_cast<float>(light.cos_theta_e) * LightRecord::kSnorm;
-    cone.theta_e = std::acos(std::max(0.0f, cos_theta_e));
+    cone.set_theta_o(2.0f * std::asin(static_cast<float>(light.half_sine_o) * LightRecord::kSnorm));
+    // To a cluster a glossy point emits as a point does.
+    const float sin_theta_e = static_cast<float>(light.sin_theta_e) * LightRecord::kSnorm;
+    cone.theta_e = std::asin(light.is_glossy() ? 1.0f : sin_theta_e);
     cone.two_sided = light.two_sided != 0;
 
     result.intensity = light.intensity;

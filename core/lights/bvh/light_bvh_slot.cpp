@@ -20,6 +20,15 @@ constexpr float kLeastSpread = 1e-4f, kLeastDiffuse = 1e-4f;
 /// The least diffuse emission of a flat light, for the rounding of its axis.
 constexpr float kLeastFlatDiffuse = 4.0f * kAxisRounding * kAxisRounding;
 
+/// An angle, but wider by what rounding may take from the cosine of a direction to an axis, so that
+/// cones narrower than that are not missed.
+float widened(float angle) noexcept {
+    constexpr float kCosineRounding = 1e-6f;
+    const float half_sine = std::sin(0.5f * angle);
+    return 2.0f *
+           std::asin(std::min(std::sqrt(half_sine * half_sine + 0.5f * kCosineRounding), 1.0f));
+}
+
 void set_vector(float (&of)[3][LightBvhNode::kWidth], std::size_t place, float3 value) noexcept {
     of[0][place] = value.x;
     of[1][place] = value.y;
@@ -43,7 +52,7 @@ void set_cone(MeansNode& node, std::size_t place, const EmissionCone& cone, floa
               float margin) noexcept {
     constexpr float kAllDirections = 3.13f;
     set_vector(node.axis, place, cone.axis);
-    const float theta = cone.theta() + margin;
+    const float theta = widened(std::min(cone.theta() + margin, kPi));
     if (theta > kAllDirections) {
         node.apex[place] = 0.0f;
         node.cosine[place] = -2.0f;
@@ -93,7 +102,9 @@ void fill_slot(BoundsNode& node, std::size_t place, const LightCluster& cluster,
     }
     node.intensity[place] = cluster.intensity;
     const EmissionCone& cone = cluster.cone;
-    const float theta_o = std::min(kPi, cone.theta_o + (is_node ? kAngleMargin : kAxisRounding));
+    const float margin = is_node ? kAngleMargin : kAxisRounding;
+    const float theta = std::min(cone.theta() + margin, kPi);
+    const float theta_o = std::min(kPi, cone.theta_o + margin + (widened(theta) - theta));
     set_vector(node.axis, place, cone.axis);
     node.cos_theta_o[place] = std::cos(theta_o);
     node.sin_theta_o[place] = std::max(0.0f, std::sin(theta_o));

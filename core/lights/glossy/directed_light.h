@@ -25,8 +25,7 @@ class DirectedLight {
   public:
     explicit DirectedLight(const LightRecord& light) noexcept
         : center_(light.center), radius_(light.radius), intensity_(light.intensity) {
-        const bool is_diffuse =
-            light.radius == 0.0f && light.two_sided == 0 && light.cos_theta_o == LightRecord::kFlat;
+        const bool is_diffuse = light.radius == 0.0f && light.two_sided == 0 && light.is_flat();
         if (!is_diffuse && !light.is_glossy()) return;
         kind_ = light.is_glossy() ? Kind::kGlossy : Kind::kDiffuse;
         axis_ = axis_of(light);

@@ -14,9 +14,6 @@ struct Approach {
     float3 way;
     float distance2;
     float distance;
-
-    /// The direction of the way, of unit length, or 0 at distance 0.
-    float3 direction() const noexcept { return way * (distance > 0.0f ? 1.0f / distance : 0.0f); }
 };
 
 inline Approach approach(float3 from, float3 center) noexcept {
@@ -25,43 +22,42 @@ inline Approach approach(float3 from, float3 center) noexcept {
     return {way, distance2, std::sqrt(distance2)};
 }
 
-/// An angle in [0, pi] by its sine and cosine.
+/// An angle in [0, pi] by its sine and cosine, both of them times a number above 0.
 struct Angle {
     float sine, cosine;
 
-    static Angle from_cosine(float c) noexcept {
-        return {std::sqrt(std::max(0.0f, 1.0f - c * c)), c};
-    }
     static Angle from_sine_acute(float s) noexcept {
         return {s, std::sqrt(std::max(0.0f, 1.0f - s * s))};
     }
+    static Angle from_half_sine(float s) noexcept {
+        const float twice = s + s;
+        return {twice * std::sqrt(1.0f - s * s), 1.0f - twice * s};
+    }
 };
 
-/// The angle max(0, a - b).
+/// The angle max(0, a - b), where b is neither 0 nor pi. It is the sign of the sine that decides:
+/// the cosines of small angles do not differ.
 inline Angle subtract_clamped(Angle a, Angle b) noexcept {
-    if (a.cosine >= b.cosine) return {0.0f, 1.0f};
-    return {a.sine * b.cosine - a.cosine * b.sine, a.cosine * b.cosine + a.sine * b.sine};
-}
-
-/// The largest cosine with which anything in a cone of normals (axis, theta_o) may emit into a
-/// direction at cos_theta from the axis, from anywhere in a sphere that fills `half_view`; 0 where
-/// nothing can.
-inline float emitter_cosine(float cos_theta, Angle theta_o, float cos_theta_e,
-                            Angle half_view) noexcept {
-    const Angle from_normal = subtract_clamped(Angle::from_cosine(cos_theta), theta_o);
-    const float cosine = subtract_clamped(from_normal, half_view).cosine;
-    return cosine > cos_theta_e ? cosine : 0.0f;
+    const float sine = a.sine * b.cosine - a.cosine * b.sine;
+    if (!(sine > 0.0f)) return {0.0f, 1.0f};
+    return {sine, a.cosine * b.cosine + a.sine * b.sine};
 }
 
 /// The least mean squared distance. A point on a light without extent is closer: the light gives it
 /// nothing that is defined, and 1 / d^2 would outweigh all that others give.
 inline constexpr float kMinDistance = 1e-15f, kMinDistance2 = kMinDistance * kMinDistance;
 
+/// The most that rounding the axis to 16 bits may add to a cosine, an angle or its length.
+inline constexpr float kAxisRounding = 5e-5f;
+
+/// The axis of a light in parts of LightRecord::kSnorm.
+inline float3 snorm_axis_of(const LightRecord& light) noexcept {
+    return {static_cast<float>(light.axis[0]), static_cast<float>(light.axis[1]),
+            static_cast<float>(light.axis[2])};
+}
 /// The axis of a light, of about unit length.
 inline float3 axis_of(const LightRecord& light) noexcept {
-    return float3{static_cast<float>(light.axis[0]), static_cast<float>(light.axis[1]),
-                  static_cast<float>(light.axis[2])} *
-           LightRecord::kSnorm;
+    return snorm_axis_of(light) * LightRecord::kSnorm;
 }
 
 /// The root of what the intensity of a glossy lobe towards the point falls by: the distance over
@@ -83,19 +79,24 @@ inline float lobe_sharpness(const LightRecord& light) noexcept {
     return 1.0f / (light.alpha() * light.alpha()) - 1.0f;
 }
 
-/// The angle that a light's bounding sphere fills, half of it; the point is outside.
-inline Angle half_view_of(const LightRecord& light, const Approach& way) noexcept {
-    return Angle::from_sine_acute(light.radius / way.distance);
-}
-
-inline float emitter_bound(const LightRecord& light, const Approach& way,
-                           Angle half_view) noexcept {
-    float cos_theta = std::clamp(-dot(axis_of(light), way.direction()), -1.0f, 1.0f);
-    if (light.two_sided != 0) cos_theta = std::abs(cos_theta);
-    const Angle theta_o =
-        Angle::from_cosine(static_cast<float>(light.cos_theta_o) * LightRecord::kSnorm);
-    return emitter_cosine(cos_theta, theta_o,
-                          static_cast<float>(light.cos_theta_e) * LightRecord::kSnorm, half_view);
+/// The largest cosine with which anything in the light's cone of normals, which are not all, may
+/// emit towards the point, from anywhere in its bounding sphere, outside of which the point lies;
+/// not above 0 where nothing can. The cross product keeps the digits of small angles.
+inline float emitter_bound(const LightRecord& light, const Approach& way) noexcept {
+    const float inverse = 1.0f / way.distance;
+    const float3 axis = axis_of(light), across = cross(axis, way.way);
+    float cosine = -dot(axis, way.way) * inverse;
+    if (light.two_sided != 0) cosine = std::abs(cosine);
+    const float half_sine = static_cast<float>(light.half_sine_o) * LightRecord::kSnorm;
+    Angle from_normal = subtract_clamped({std::sqrt(dot(across, across)) * inverse, cosine},
+                                         Angle::from_half_sine(half_sine));
+    if (light.radius > 0.0f) {
+        from_normal = subtract_clamped(from_normal, Angle::from_sine_acute(light.radius * inverse));
+    }
+    // This is kSnorm, and 5e-5 more of it for the length of the axis.
+    constexpr float kLargest = 3.05201e-5f;
+    const bool is_within = from_normal.sine <= static_cast<float>(light.sin_theta_e) * kLargest;
+    return is_within ? from_normal.cosine : 0.0f;
 }
 
 /// The mean over a light of max(0, c), where c is a height above some plane: `height` at the
@@ -109,8 +110,6 @@ inline float mean_above(float height, float variance) noexcept {
 inline constexpr float kSpread = 0.25f;
 /// The variance of a height over a light, by its spread.
 inline constexpr float kHeightSpread = 0.375f;
-/// The most that rounding the axis to 16 bits may add to a cosine.
-inline constexpr float kAxisRounding = 5e-5f;
 
 /// The mean over a light of a GlossyLobe: in its formula alpha^2 grows by what the light's spread
 /// adds to the mean of (1 - c) / 2, and the peak falls so that the lobe holds as much as before.
@@ -145,9 +144,9 @@ inline float importance(const LightRecord& light, const Approach& way,
     }
 
     float emitter = 1.0f;
-    if (light.cos_theta_o == LightRecord::kFlat) {
+    if (light.is_flat()) {
         // One height above the plane of the light holds for all of it.
-        float height = -dot(axis_of(light), way.way);
+        float height = -dot(snorm_axis_of(light), way.way) * LightRecord::kSnorm;
         if (light.two_sided != 0) height = std::abs(height);
         emitter = std::min(height * inverse + kAxisRounding, 1.0f);
     } else if (light.is_glossy()) {
@@ -155,8 +154,8 @@ inline float importance(const LightRecord& light, const Approach& way,
         const float fall_off =
             lobe_fall_off(axis * (1.0f / length(axis)), lobe_sharpness(light), way);
         emitter = 1.0f / (fall_off * fall_off);
-    } else if (way.distance > light.radius) {
-        emitter = emitter_bound(light, way, half_view_of(light, way));
+    } else if (way.distance > light.radius && light.half_sine_o != LightRecord::kAllNormals) {
+        emitter = emitter_bound(light, way);
     }
     if (!(emitter > 0.0f)) return 0.0f;
     return light.intensity * inverse * inverse * received * emitter;

@@ -53,31 +53,46 @@ std::int16_t to_snorm(float value) noexcept {
     return static_cast<std::int16_t>(std::lround(std::clamp(value, -1.0f, 1.0f) * 32767.0f));
 }
 
-/// A cosine rounded down, so that the cone can only grow. The margin covers the rounding of the
-/// axis, which is below 3e-5 radians.
-std::int16_t to_wider_cone(float cosine, double margin) noexcept {
-    const double angle =
-        std::min(std::acos(static_cast<double>(cosine)) + margin, 3.14159265358979);
-    return static_cast<std::int16_t>(std::floor(std::cos(angle) * 32767.0));
+constexpr double kPi = 3.14159265358979323846;
+
+/// The largest angle whose cosine may have been rounded to this one.
+double widest_angle(float cosine) noexcept {
+    constexpr double kHalfUlp = 0x1p-25;  // of floats just below 1
+    return std::acos(std::max(-1.0, static_cast<double>(cosine) - kHalfUlp));
+}
+
+/// A sine rounded up, so that a cone can only grow.
+std::int16_t to_wider_sine(double sine) noexcept {
+    return static_cast<std::int16_t>(std::min(std::ceil(sine * 32767.0), 32767.0));
+}
+
+std::int16_t half_sine_o(const Light& light) noexcept {
+    // The margin covers the rounding of the axis, which is below 3e-5 radians.
+    constexpr double kAxisMargin = 5e-5;
+    if (light.cos_theta_o == 1.0f) return LightRecord::kFlat;
+    const double theta_o = std::min(widest_angle(light.cos_theta_o) + kAxisMargin, kPi);
+    return to_wider_sine(std::sin(0.5 * theta_o));
+}
+
+std::int16_t sin_theta_e(const Light& light) noexcept {
+    if (light.lobe_alpha > 0.0f) return to_snorm(-light.lobe_alpha);
+    return to_wider_sine(std::sin(std::min(widest_angle(light.cos_theta_e), 0.5 * kPi)));
 }
 
 LightRecord to_record(const Light& light, const Frame& frame) noexcept {
-    constexpr double kAxisRounding = 5e-5;
     LightRecord record{};
     record.center = frame.position(light.center);
     record.radius = light.radius * frame.inv_scale;
     record.intensity = light.intensity / frame.intensity;
     record.two_sided = light.two_sided ? 1 : 0;
     if (light.cos_theta_o > -1.0f || light.lobe_alpha > 0.0f) {
-        record.axis[0] = to_snorm(light.axis.x);
-        record.axis[1] = to_snorm(light.axis.y);
-        record.axis[2] = to_snorm(light.axis.z);
+        const float3 axis = light.axis * (1.0f / length(light.axis));
+        record.axis[0] = to_snorm(axis.x);
+        record.axis[1] = to_snorm(axis.y);
+        record.axis[2] = to_snorm(axis.z);
     }
-    record.cos_theta_o = light.cos_theta_o == 1.0f
-                             ? LightRecord::kFlat
-                             : to_wider_cone(light.cos_theta_o, kAxisRounding);
-    record.cos_theta_e = std::max<std::int16_t>(0, to_wider_cone(light.cos_theta_e, 0.0));
-    if (light.lobe_alpha > 0.0f) record.cos_theta_e = to_snorm(-light.lobe_alpha);
+    record.half_sine_o = half_sine_o(light);
+    record.sin_theta_e = sin_theta_e(light);
     return record;
 }
 
@@ -95,7 +110,10 @@ Frame make_frame(Span<const Light> lights) noexcept {
     if (brightest == 0.0f) return {};
     const float3 half = (high * 0.5f) - (low * 0.5f);
     const float extent = std::max({half.x, half.y, half.z});
-    return {low * 0.5f + high * 0.5f, extent > 0.0f ? 1.0f / extent : 1.0f, brightest};
+    // In units of less than this the squared distance of a point that is not near overflows.
+    constexpr float kLeastUnit = 1e-12f;
+    const float unit = extent > 0.0f ? std::max(extent, kLeastUnit) : 1.0f;
+    return {low * 0.5f + high * 0.5f, 1.0f / unit, brightest};
 }
 
 }  // namespace

@@ -16,24 +16,28 @@ namespace lightcull {
 struct LightRecord {
     float3 center;
     float radius;
-    float intensity;           ///< intensity; 1 for the brightest light of the table
-    std::int16_t axis[3];      ///< axis, times kSnorm
-    std::int16_t cos_theta_o;  ///< cosine times kSnorm, rounded to a wider cone; kFlat: flat
-    std::int16_t cos_theta_e;  ///< cosine times kSnorm, rounded to a wider cone; for a glossy point
-                               ///< -lobe_alpha
-    std::uint16_t two_sided;   ///< 0 or 1
+    float intensity;       ///< intensity; 1 for the brightest light of the table
+    std::int16_t axis[3];  ///< axis, in parts of kSnorm
+    /// The sine of half of theta_o, in parts of kSnorm, rounded to a wider cone: unlike a cosine it
+    /// tells narrow cones apart. kFlat: flat.
+    std::int16_t half_sine_o;
+    /// The sine of theta_e in parts of kSnorm, rounded to a wider cone; for a glossy point
+    /// -lobe_alpha.
+    std::int16_t sin_theta_e;
+    std::uint16_t two_sided;  ///< 0 or 1
 
     static constexpr float kSnorm = 1.0f / 32767.0f;
-    static constexpr std::int16_t kFlat = 32767;
+    static constexpr std::int16_t kFlat = 0, kAllNormals = 32767;
 
-    bool is_glossy() const noexcept { return cos_theta_e < 0; }
+    bool is_flat() const noexcept { return half_sine_o == kFlat; }
+    bool is_glossy() const noexcept { return sin_theta_e < 0; }
     /// The roughness alpha of a glossy light.
-    float alpha() const noexcept { return static_cast<float>(-cos_theta_e) * kSnorm; }
+    float alpha() const noexcept { return static_cast<float>(-sin_theta_e) * kSnorm; }
 };
 static_assert(sizeof(LightRecord) == 32 && alignof(LightRecord) == 4);
 static_assert(offsetof(LightRecord, radius) == 12 && offsetof(LightRecord, intensity) == 16);
-static_assert(offsetof(LightRecord, axis) == 20 && offsetof(LightRecord, cos_theta_o) == 26);
-static_assert(offsetof(LightRecord, cos_theta_e) == 28 && offsetof(LightRecord, two_sided) == 30);
+static_assert(offsetof(LightRecord, axis) == 20 && offsetof(LightRecord, half_sine_o) == 26);
+static_assert(offsetof(LightRecord, sin_theta_e) == 28 && offsetof(LightRecord, two_sided) == 30);
 
 /// A transform from the caller's metres to the units of a table, in which the lights' bounds lie in
 /// about [-1, 1]: no digits are lost to a far origin, and no power of a length overflows.

@@ -19,7 +19,7 @@ class Surfaces {
         std::vector<double> areas(scene.triangles.size());
         for (std::uint32_t t = 0; t < areas.size(); ++t) {
             const V3f edge1 = corner(t, 1) - corner(t, 0), edge2 = corner(t, 2) - corner(t, 0);
-            areas[t] = 0.5 * static_cast<double>(edge1.cross(edge2).length());
+            areas[t] = 0.5 * Imath::V3d(edge1.cross(edge2)).length();
         }
         total_ = std::accumulate(areas.begin(), areas.end(), 0.0);
         if (total_ > 0.0) table_ = AliasTable(areas);
@@ -31,7 +31,7 @@ class Surfaces {
         const std::uint32_t t = table_.sample(random.fine(Dimension::kSelectLight));
         const V2f b = uniform_triangle(random.two(Dimension::kLightVertex));
         const V3f &a = corner(t, 0), edge1 = corner(t, 1) - a, edge2 = corner(t, 2) - a;
-        return {a + edge1 * b.x + edge2 * b.y, unit(edge1.cross(edge2)), radius};
+        return {a + edge1 * b.x + edge2 * b.y, triangle_normal(edge1, edge2), radius};
     }
 
   private:

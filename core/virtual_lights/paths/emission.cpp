@@ -9,31 +9,37 @@
 namespace lightcull {
 namespace {
 
-/// A direction uniform over those at a cosine of `least` and more to the axis.
-V3f uniform_cone(const V3f& axis, float least, const V2f& u) noexcept {
+/// A direction about an axis, and the versine of the angle between them.
+struct ConeSample {
+    V3f direction;
+    float versine;
+};
+
+/// Uniform over the directions whose angles to the axis have at most the versine `largest`.
+ConeSample uniform_cone(const V3f& axis, float largest, const V2f& u) noexcept {
     const V2f disk = uniform_disk(u);
-    const float height = (1.0f - least) * disk.dot(disk);  // 1 - cosine
-    const float stretch = std::sqrt((1.0f - least) * std::max(0.0f, 2.0f - height));
-    return Basis(axis).to_world({disk.x * stretch, disk.y * stretch, 1.0f - height});
+    const float versine = largest * disk.dot(disk);
+    const float stretch = std::sqrt(largest * std::max(0.0f, 2.0f - versine));
+    return {Basis(axis).to_world({disk.x * stretch, disk.y * stretch, 1.0f - versine}), versine};
 }
 
 LightRay point_ray(const PointEmitter& point, const V2f& u) noexcept {
-    return {{point.position, uniform_cone(V3f(0.0f, 0.0f, 1.0f), -1.0f, u)},
-            point.intensity * (4.0f * kPi)};
+    const ConeSample all_around = uniform_cone(V3f(0.0f, 0.0f, 1.0f), 2.0f, u);
+    return {{point.position, all_around.direction}, point.intensity * (4.0f * kPi)};
 }
 
 LightRay triangle_ray(const SceneData& scene, const TriangleEmitter& triangle,
                       const PathRandom& random) noexcept {
     const V2f b = uniform_triangle(random.two(Dimension::kLightVertex));
-    const V3f across = triangle.edge1.cross(triangle.edge2);
+    const V3f front = triangle_normal(triangle.edge1, triangle.edge2);
     const bool is_back = triangle.two_sided && random.one(Dimension::kLobe) < 0.5f;
-    const V3f normal = is_back ? -unit(across) : unit(across);
+    const V3f normal = is_back ? -front : front;
     const V3f place =
         triangle.corner + triangle.edge1 * b.x + triangle.edge2 * b.y +
         normal * clearance(normal, abs(triangle.corner), triangle.edge1, triangle.edge2);
     const V3f local = cosine_hemisphere(random.two(Dimension::kScatter));
     const V3f direction = Basis(normal).to_world(local);
-    const float area = 0.5f * std::sqrt(across.dot(across));
+    const float area = 0.5f * front.dot(triangle.edge1.cross(triangle.edge2));
     const float sides = triangle.two_sided ? 2.0f : 1.0f;
     return {{place, direction}, emitted(scene, triangle, b.x, b.y, normal) * (kPi * area * sides)};
 }
@@ -42,9 +48,9 @@ double power(const Emitter& emitter, const Light& light) noexcept {
     const double of_unit = static_cast<double>(kPi) * static_cast<double>(light.intensity);
     if (std::get_if<PointEmitter>(&emitter) != nullptr) return 4.0 * of_unit;
     if (const auto* spot = std::get_if<SpotEmitter>(&emitter)) {
-        const auto inner = static_cast<double>(spot->cos_inner);
-        const auto outer = static_cast<double>(spot->cos_outer);
-        return 2.0 * of_unit * (1.0 - inner + (inner - outer) / 3.0);
+        const auto inner = static_cast<double>(spot->inner);
+        const auto outer = static_cast<double>(spot->outer);
+        return 2.0 * of_unit * (inner + (outer - inner) / 3.0);
     }
     return light.two_sided ? 2.0 * of_unit : of_unit;
 }
@@ -111,10 +117,10 @@ LightRay EmissionTable::environment_ray(const PathRandom& random, const V2f& u) 
 }
 
 LightRay spot_ray(const SpotEmitter& spot, const V2f& u) noexcept {
-    const V3f direction = uniform_cone(spot.direction, spot.cos_outer, u);
-    const float solid_angle = 2.0f * kPi * (1.0f - spot.cos_outer);
-    return {{spot.position, direction},
-            spot.intensity * (spot_falloff(spot, direction.dot(spot.direction)) * solid_angle)};
+    const ConeSample s = uniform_cone(spot.direction, spot.outer, u);
+    const float solid_angle = 2.0f * kPi * spot.outer;
+    return {{spot.position, s.direction},
+            spot.intensity * (spot_falloff(spot, s.versine) * solid_angle)};
 }
 
 }  // namespace lightcull

@@ -56,6 +56,31 @@ TEST_CASE("a one-sided triangle emits where its corners run anticlockwise, a two
     CHECK(emitted(scene, t, 0.3f, 0.3f, V3f(0, 0, -1)).x == 1.0f);
 }
 
+TEST_CASE("the edge of a spot is where its angles say, however narrow it is") {
+    for (const double outer : {0.5, 1.7e-2, 3.5e-4, 3.5e-5}) {
+        for (const double part : {0.0, 0.8, 1.0}) {
+            auto scene = std::make_shared<Scene>();
+            const auto inner = static_cast<float>(part * outer);
+            scene->add_spot_light({0, 0, 0}, {0, -1, 0}, {1, 1, 1}, inner,
+                                  static_cast<float>(outer));
+            const lightcull::SceneData& data = data_of(*scene);
+            for (int i = 0; i < 100; ++i) {
+                const double angle = 1.25 * outer * (i + 0.5) / 100.0;
+                const V3f from(static_cast<float>(std::sin(angle)),
+                               static_cast<float>(-std::cos(angle)), 0.0f);
+                const auto s = sample_emitter(data, data.emitters[0], from, V2f(0.5f));
+                const double off = std::pow(std::sin(0.5 * angle), 2);
+                const double full = std::pow(std::sin(0.5 * part * outer), 2);
+                const double end = std::pow(std::sin(0.5 * outer), 2);
+                const double ramp = off < end ? (end - off) / (end - full) : 0.0;
+                const double exact = off <= full ? 1.0 : ramp * ramp;
+                // The direction of the way is rounded by some 1e-7.
+                CHECK(std::fabs(static_cast<double>(s.radiance.x) - exact) < 0.02);
+            }
+        }
+    }
+}
+
 TEST_CASE("from its own plane a triangle is not sampled") {
     const lightcull::SceneData scene;
     const Emitter t =

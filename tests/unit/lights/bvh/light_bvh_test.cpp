@@ -480,8 +480,7 @@ TEST_CASE_TEMPLATE(
             const float prob = sampler->prob(point, {}, i);
             // Within these margins of a light's horizon, or of the point's, either may be right.
             LightRecord narrower = light, wider = light;
-            narrower.cos_theta_e =
-                static_cast<std::int16_t>(std::min(light.cos_theta_e + 20, 32767));
+            narrower.sin_theta_e = static_cast<std::int16_t>(std::max(light.sin_theta_e - 40, 0));
             wider.radius += 0.02f * way.distance;
             const float peak = light.intensity / way.distance2;
             if (importance(narrower, way, receiver) > 1e-4f * peak) {

@@ -6,10 +6,11 @@ namespace lightcull::testing {
 
 /// The largest cosine under which a receiver sees anything of a sphere that fills `half_view`; 1
 /// for a zero normal.
-inline float receiver_cosine(float3 normal, float3 direction, Angle half_view) noexcept {
+inline float receiver_cosine(float3 normal, const Approach& way, Angle half_view) noexcept {
     if (normal.x == 0.0f && normal.y == 0.0f && normal.z == 0.0f) return 1.0f;
-    const float cosine = std::clamp(dot(normal, direction), -1.0f, 1.0f);
-    return std::max(0.0f, subtract_clamped(Angle::from_cosine(cosine), half_view).cosine);
+    const Angle angle{length(cross(normal, way.way)) / way.distance,
+                      dot(normal, way.way) / way.distance};
+    return std::max(0.0f, subtract_clamped(angle, half_view).cosine);
 }
 
 /// A bound on g_i(x) of [TH16] Eq. 9: intensity by the squared distance of the centre and by both
@@ -20,9 +21,9 @@ inline float importance_bound(const LightRecord& light, const Approach& way,
     const float radius2 = light.radius * light.radius;
     const float fall_off = light.intensity / std::max({way.distance2, radius2, kMinDistance2});
     if (way.distance <= light.radius) return fall_off;  // x sees the sphere in every direction
-    const Angle half_view = half_view_of(light, way);
-    return fall_off * receiver_cosine(normal, way.direction(), half_view) *
-           emitter_bound(light, way, half_view);
+    const Angle half_view = Angle::from_sine_acute(light.radius / way.distance);
+    return fall_off * receiver_cosine(normal, way, half_view) *
+           std::max(0.0f, emitter_bound(light, way));
 }
 
 }  // namespace lightcull::testing

@@ -3,6 +3,7 @@
 #include <lightcull/light.h>
 #include <lightcull/samplers.h>
 
+#include <cmath>
 #include <limits>
 #include <string>
 
@@ -25,6 +26,52 @@ TEST_CASE("a triangle's sphere holds its corners and is the smallest one") {
         CHECK(light.radius >= 0.4999f * longest);
         CHECK(light.radius <= 0.5774f * longest);  // 1 / sqrt(3): the equilateral one
     }
+}
+
+TEST_CASE("a triangle's light has the same shape at every scale") {
+    RandomStream random(5);
+    const float scales[] = {1e-36f, 1e-30f, 1e-18f, 1e-12f, 2e-10f, 1.0f,
+                            6e7f,   1e10f,  1e15f,  1e25f,  1e37f};
+    for (int i = 0; i < 100; ++i) {
+        const float3 a = random_in_box(random, 1), b = random_in_box(random, 1),
+                     c = random_in_box(random, 1);
+        const Light base = triangle_light(a, b, c, 1.0f);
+        for (const float scale : scales) {
+            CAPTURE(scale);
+            // The radiance keeps the intensity in the range of floats where it can.
+            const float radiance = std::min(std::max(1.0f / scale, 1e-37f), 1e37f);
+            const Light light = triangle_light(a * scale, b * scale, c * scale, radiance, false);
+            const float3 center = light.center * (1.0f / scale);
+            CHECK(length(center - base.center) < 1e-4f * base.radius);
+            CHECK(light.radius / scale == doctest::Approx(base.radius).epsilon(1e-4));
+            CHECK(length(light.axis - base.axis) < 1e-4f);
+            const double expected = double{base.intensity} * radiance * scale * scale;
+            CHECK(light.intensity == doctest::Approx(expected).scale(0.0).epsilon(1e-4));
+        }
+    }
+}
+
+TEST_CASE("a light fainter than floats can tell is still lit, and a brighter one is refused") {
+    const auto triangle = [](float size) {
+        return triangle_light({0, 0, 0}, {size, 0, 0}, {0, size, 0}, 1.0f);
+    };
+    for (const Light& light :
+         {triangle(1e-25f), triangle(1e-37f), sphere_light({0, 0, 0}, 1e-30f, 1.0f),
+          disc_light({0, 0, 0}, {0, 0, 1}, 1e-30f, 1.0f),
+          cylinder_light({0, 0, 0}, {1e-30f, 0, 0}, 1e-30f, 1.0f),
+          bounded_light({0, 0, 0}, {1, 1, 1}, {0, 0, 1}, -1, 0, false, 1e-38f)}) {
+        CHECK(light.intensity > 0.0f);
+        const Light lights[] = {light};
+        const auto sampler = make_sampler("exhaustive", lights);
+        for (const float distance : {1.0f, 1e6f}) {
+            const float3 x = float3{0.3f, 0.2f, 1} * distance;
+            CHECK(sampler->select({x, {0, 0, 0}, 0}, 0.5f).prob == 1.0f);
+        }
+    }
+    const Light lights[] = {triangle(1.0f), triangle(1e20f)};
+    CHECK_THROWS_WITH_AS(make_sampler("exhaustive", lights),
+                         "light 1: intensity is inf, wanted finite and >= 0", Error);
+    CHECK(triangle_light({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, 0.0f).intensity == 0.0f);
 }
 
 TEST_CASE("a triangle's axis and intensity") {
