@@ -3,6 +3,7 @@
 #include "render/emitter.h"
 #include "render/environment.h"
 #include "render/ray_tracer.h"
+#include "render/texture_mean.h"
 #include "render/vec.h"
 #include "render/virtual_emitter.h"
 
@@ -10,6 +11,7 @@
 #include <lightcull/render/scene.h>
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <vector>
 
@@ -33,6 +35,7 @@ struct TriangleRecord {
 
 struct SceneData {
     std::vector<Texture> textures;
+    std::map<TextureId, TextureMean> texture_means;  ///< means of those that emit, until commit()
     std::vector<Material> materials;
 
     std::vector<MeshRecord> meshes;
