@@ -1,6 +1,7 @@
 #include "render/ray_tracer.h"
 
 #include "render/embree.h"
+#include "render/shadow_filter.h"
 
 #include <lightcull/error.h>
 
@@ -10,12 +11,18 @@
 #include <atomic>
 #include <cstddef>
 #include <cstring>
+#include <numeric>
 #include <string>
 
 namespace lightcull {
 namespace {
 
 constexpr std::size_t kPacket = 16;
+
+/// The part of the way to their end that shadow rays are traced. It spares most of them a hit of
+/// the light, and hides_end() has to judge the others: Embree rounds the distances of hits by some
+/// units of 2^-24, and of grazing ones by more.
+constexpr float kTraced = 1.0f - 0x1p-22f;
 
 /// Fills a packet and returns how many of its lanes are in use.
 std::size_t fill(Span<const Ray> rays, std::size_t first, RTCRay16& packet, int* valid) noexcept {
@@ -46,6 +53,7 @@ void prepare(RTCRay16& packet) noexcept {
 struct RayTracer::Handles {
     RTCDevice device = nullptr;
     RTCScene scene = nullptr;
+    Triangles triangles{};
     std::atomic<::ssize_t> bytes{0};  ///< bytes that Embree has taken and not given back
 
     Handles() = default;
@@ -73,7 +81,8 @@ struct RayTracer::Handles {
     }
 };
 
-RayTracer::RayTracer(Span<const V3f> positions, Span<const std::uint32_t> indices)
+RayTracer::RayTracer(Span<const V3f> positions, Span<const std::uint32_t> indices,
+                     Span<const TriangleRecord> triangles)
     : handles_(std::make_unique<Handles>()) {
     handles_->device = rtcNewDevice(nullptr);
     handles_->check();
@@ -88,6 +97,9 @@ RayTracer::RayTracer(Span<const V3f> positions, Span<const std::uint32_t> indice
         rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
                                    indices.data(), 0, 3 * sizeof(std::uint32_t),
                                    indices.size() / 3);
+        handles_->triangles = {positions.data(), indices.data(), triangles.data()};
+        rtcSetGeometryUserData(geometry, &handles_->triangles);
+        rtcSetGeometryOccludedFilterFunction(geometry, filter_shadow_hits);
         rtcCommitGeometry(geometry);
         rtcAttachGeometry(handles_->scene, geometry);
         rtcReleaseGeometry(geometry);
@@ -124,9 +136,11 @@ void RayTracer::occluded(Span<const Ray> rays, Span<std::uint8_t> occluded) cons
     RTCRay16 packet;
     alignas(64) int valid[kPacket];
     prepare(packet);
+    std::iota(packet.id, packet.id + kPacket, 0u);
     for (std::size_t first = 0; first < rays.size(); first += kPacket) {
         const std::size_t count = fill(rays, first, packet, valid);
-        embree::occluded16(valid, handles_->scene, packet);
+        for (float& end : packet.tfar) end *= kTraced;
+        embree::occluded16(valid, handles_->scene, packet, rays.data() + first);
         for (std::size_t i = 0; i < count; ++i) {
             occluded[first + i] = packet.tfar[i] < 0.0f ? 1 : 0;
         }

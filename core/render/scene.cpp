@@ -245,7 +245,7 @@ void Scene::commit() {
     // Embree reads 16 bytes from the last position.
     positions.reserve(positions.size() + 1);
     data_->texture_means.clear();
-    data_->ray_tracer.emplace(positions, data_->indices);
+    data_->ray_tracer.emplace(positions, data_->indices, data_->triangles);
 }
 
 Span<const Light> Scene::lights() const noexcept {

@@ -4,6 +4,7 @@
 #include "render/environment.h"
 #include "render/ray_tracer.h"
 #include "render/texture_mean.h"
+#include "render/triangle_record.h"
 #include "render/vec.h"
 #include "render/virtual_emitter.h"
 
@@ -17,8 +18,6 @@
 
 namespace lightcull {
 
-inline constexpr std::uint32_t kNone = 0xffffffffu;
-
 /// The properties that the triangles of a mesh have in common; indices into the arrays of
 /// SceneData.
 struct MeshRecord {
@@ -26,11 +25,6 @@ struct MeshRecord {
     std::uint32_t first_position = 0;
     std::uint32_t first_normal = kNone;  ///< index of the first normal; kNone: no shading normals
     std::uint32_t first_uv = kNone;      ///< index of the first texture coordinates; kNone: none
-};
-
-struct TriangleRecord {
-    std::uint32_t mesh = 0;
-    std::uint32_t light = kNone;
 };
 
 struct SceneData {
