@@ -1,6 +1,5 @@
 #include "render/emitter.h"
 
-#include "render/ray.h"
 #include "render/scene_data.h"
 #include "render/texture.h"
 #include "render/warp.h"
@@ -27,7 +26,7 @@ struct Sampler {
         if (!(pdf > 0.0f)) return {};
         const V3f direction = to_place / std::sqrt(distance2);
         const V3f radiance = emitted(scene, emitter, b.x, b.y, -direction);
-        return {in_front(emitter, place, from), direction, radiance, pdf, false};
+        return {place, direction, radiance, pdf, false, emitter.triangle};
     }
 
     EmitterSample operator()(const PointEmitter& emitter) const noexcept {
@@ -56,14 +55,6 @@ struct Sampler {
         const float distance2 = to_place.dot(to_place);
         if (!(distance2 > 0.0f)) return {};
         return {position, to_place / std::sqrt(distance2), intensity / distance2, 1.0f, true};
-    }
-
-    static V3f in_front(const TriangleEmitter& emitter, const V3f& place,
-                        const V3f& from) noexcept {
-        V3f normal = emitter.edge1.cross(emitter.edge2).normalized();
-        if (normal.dot(from - place) < 0.0f) normal = -normal;
-        return place +
-               normal * clearance(normal, abs(emitter.corner), emitter.edge1, emitter.edge2);
     }
 };
 

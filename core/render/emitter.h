@@ -1,6 +1,7 @@
 #pragma once
 
 #include "base/core_export.h"
+#include "render/ray.h"
 #include "render/vec.h"
 
 #include <lightcull/light.h>
@@ -54,13 +55,14 @@ using Emitter = std::variant<TriangleEmitter, PointEmitter, SpotEmitter, Virtual
 
 /// A place on an emitter, seen from a surface.
 struct EmitterSample {
-    V3f place{0.0f};      ///< place that a shadow ray must reach
+    V3f place{0.0f};      ///< place on the emitter, where a shadow ray ends
     V3f direction{0.0f};  ///< direction towards the place, unit length
     V3f radiance{0.0f};   ///< radiance; for all but triangles, irradiance on a surface that faces
                           ///< the emitter
     float pdf = 0.0f;     ///< density per solid angle; 1 for all but triangles, 0 if the emitter
                           ///< emits nothing here
     bool is_delta = false;
+    std::uint32_t triangle = kNoHit;  ///< the triangle on which the place lies, if any
 };
 
 /// Chooses a place on the emitter, uniform by area, and looks at it from a point.

@@ -7,11 +7,14 @@
 
 namespace lightcull {
 
+inline constexpr std::uint32_t kNoHit = 0xffffffffu;
+
 struct Ray {
     V3f origin;
     V3f direction;
-    float end = std::numeric_limits<float>::infinity();  ///< end of the ray, in lengths of
-                                                         ///< `direction`
+    /// The end of the ray, in lengths of `direction`.
+    float end = std::numeric_limits<float>::infinity();
+    std::uint32_t end_triangle = kNoHit;  ///< the triangle on which a shadow ray ends, if any
 };
 
 /// The distance by which a point that was interpolated in a triangle moves along the triangle's
@@ -25,11 +28,10 @@ inline float clearance(const V3f& normal, const V3f& magnitude, const V3f& edge1
     return kRounding * (abs(normal).dot(magnitude) + edge);
 }
 
-/// The end of a shadow ray, in parts of the way to the light, so that rounding does not let it hit
-/// the light itself.
-inline constexpr float kShadowEnd = 1.0f - 0x1p-16f;
-
-inline constexpr std::uint32_t kNoHit = 0xffffffffu;
+/// A shadow ray from one place to another, which may lie on a triangle.
+inline Ray segment(const V3f& from, const V3f& to, std::uint32_t end_triangle = kNoHit) noexcept {
+    return {from, to - from, 1.0f, end_triangle};
+}
 
 struct Hit {
     std::uint32_t triangle;  ///< index of the triangle over all meshes, or kNoHit

@@ -2,6 +2,7 @@
 
 #include "base/memory_size.h"
 #include "render/embree.h"
+#include "render/shadow_filter.h"
 
 #include <lightcull/error.h>
 
@@ -12,6 +13,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstring>
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -30,6 +32,11 @@ float scale_for_embree(float reach) noexcept {
     constexpr int kMostExponent = 40;
     return std::ldexp(1.0f, std::min(-std::ilogb(reach), kMostExponent));
 }
+
+/// The part of the way to their end that shadow rays are traced. It spares most of them a hit of
+/// the light, and hides_end() has to judge the others: Embree rounds the distances of hits by some
+/// units of 2^-24, and of grazing ones by more.
+constexpr float kTraced = 1.0f - 0x1p-22f;
 
 /// Fills a packet with rays in units of 1 / scale metres and returns how many of its lanes are in
 /// use. Directions only grow: Embree takes small parts of them for 0.
@@ -63,8 +70,9 @@ void prepare(RTCRay16& packet) noexcept {
 struct RayTracer::Handles {
     RTCDevice device = nullptr;
     RTCScene scene = nullptr;
-    float scale = 1.0f;               ///< parts of a metre in Embree's unit of length
-    std::vector<V3f> scaled;          ///< positions in that unit; none where it is the metre
+    float scale = 1.0f;       ///< parts of a metre in Embree's unit of length
+    std::vector<V3f> scaled;  ///< positions in that unit; none where it is the metre
+    Triangles triangles{};
     std::atomic<::ssize_t> bytes{0};  ///< bytes that Embree has taken and not given back
 
     Handles() = default;
@@ -101,7 +109,8 @@ struct RayTracer::Handles {
     }
 };
 
-RayTracer::RayTracer(Span<const V3f> positions, Span<const std::uint32_t> indices, float reach)
+RayTracer::RayTracer(Span<const V3f> positions, Span<const std::uint32_t> indices,
+                     Span<const TriangleRecord> triangles, float reach)
     : handles_(std::make_unique<Handles>()) {
     handles_->device = rtcNewDevice(nullptr);
     handles_->check();
@@ -117,6 +126,10 @@ RayTracer::RayTracer(Span<const V3f> positions, Span<const std::uint32_t> indice
         rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
                                    indices.data(), 0, 3 * sizeof(std::uint32_t),
                                    indices.size() / 3);
+        handles_->triangles = {positions.data(), indices.data(), triangles.data(),
+                               std::min(handles_->scale, 1.0f)};
+        rtcSetGeometryUserData(geometry, &handles_->triangles);
+        rtcSetGeometryOccludedFilterFunction(geometry, filter_shadow_hits);
         rtcCommitGeometry(geometry);
         rtcAttachGeometry(handles_->scene, geometry);
         rtcReleaseGeometry(geometry);
@@ -154,9 +167,11 @@ void RayTracer::occluded(Span<const Ray> rays, Span<std::uint8_t> occluded) cons
     RTCRay16 packet;
     alignas(64) int valid[kPacket];
     prepare(packet);
+    std::iota(packet.id, packet.id + kPacket, 0u);
     for (std::size_t first = 0; first < rays.size(); first += kPacket) {
         const std::size_t count = fill(rays, first, handles_->scale, packet, valid);
-        embree::occluded16(valid, handles_->scene, packet);
+        for (float& end : packet.tfar) end *= kTraced;
+        embree::occluded16(valid, handles_->scene, packet, rays.data() + first);
         for (std::size_t i = 0; i < count; ++i) {
             occluded[first + i] = packet.tfar[i] < 0.0f ? 1 : 0;
         }

@@ -2,6 +2,7 @@
 
 #include "base/core_export.h"
 #include "render/ray.h"
+#include "render/triangle_record.h"
 #include "render/vec.h"
 
 #include <lightcull/span.h>
@@ -16,9 +17,10 @@ namespace lightcull {
 class LIGHTCULL_CORE_EXPORT RayTracer {
   public:
     /// Builds the acceleration structure in the caller's TBB arena. `positions` stay the caller's,
-    /// who keeps them in place and one more element readable after the last. reach: the largest
-    /// coordinate, but for its sign, of what rays begin or end at. Throws Error.
-    RayTracer(Span<const V3f> positions, Span<const std::uint32_t> indices, float reach);
+    /// who keeps them in place and one more element readable after the last, and so do the others.
+    /// reach: the largest coordinate, but for its sign, of what rays begin or end at. Throws Error.
+    RayTracer(Span<const V3f> positions, Span<const std::uint32_t> indices,
+              Span<const TriangleRecord> triangles, float reach);
     ~RayTracer();
     RayTracer(RayTracer&&) noexcept;
     RayTracer& operator=(RayTracer&&) noexcept;
@@ -26,7 +28,7 @@ class LIGHTCULL_CORE_EXPORT RayTracer {
     /// hits[i] is the first hit of rays[i]. coherent: neighbours go much the same way.
     void intersect(Span<const Ray> rays, Span<Hit> hits, bool coherent) const noexcept;
 
-    /// occluded[i] is 1 if anything is hit by rays[i] before its end, else 0.
+    /// occluded[i] is 1 if anything hides the end of rays[i], else 0: see hides_end().
     void occluded(Span<const Ray> rays, Span<std::uint8_t> occluded) const noexcept;
 
     /// The memory that the acceleration structure takes, bytes.

@@ -3,7 +3,6 @@
 #include "base/memory_size.h"
 #include "render/checks.h"
 #include "render/scene_data.h"
-#include "render/texture.h"
 
 #include <lightcull/error.h>
 
@@ -143,6 +142,11 @@ void add_triangle_lights(SceneData& scene, const Mesh& mesh) {
     const Emission& e = mesh.emission;
     const std::size_t count = mesh.indices.size() / 3;
     const std::size_t first = scene.triangles.size() - count;
+    const TextureMean* texture = nullptr;
+    if (e.texture != kNoTexture) {
+        texture =
+            &scene.texture_means.try_emplace(e.texture, scene.textures[e.texture]).first->second;
+    }
     for (std::size_t i = 0; i < count; ++i) {
         const V3f radiance = radiance_of(e, i);
         if (!(luminance(radiance) > 0.0f)) continue;
@@ -152,10 +156,10 @@ void add_triangle_lights(SceneData& scene, const Mesh& mesh) {
         const V3f& b = scene.positions[scene.corner(triangle, 1)];
         const V3f& c = scene.positions[scene.corner(triangle, 2)];
         float mean = luminance(radiance);
-        if (e.texture != kNoTexture) {
-            mean *= mean_luminance(scene.textures[e.texture], scene.uv_at(triangle, 0.0f, 0.0f),
-                                   scene.uv_at(triangle, 1.0f, 0.0f),
-                                   scene.uv_at(triangle, 0.0f, 1.0f));
+        if (texture != nullptr) {
+            mean *=
+                texture->over(scene.uv_at(triangle, 0.0f, 0.0f), scene.uv_at(triangle, 1.0f, 0.0f),
+                              scene.uv_at(triangle, 0.0f, 1.0f));
         }
         scene.triangles[triangle].light = static_cast<std::uint32_t>(scene.lights.size());
         scene.emitters.emplace_back(
@@ -273,7 +277,8 @@ void Scene::commit() {
     auto& positions = data_->positions;
     // Embree reads 16 bytes from the last position.
     positions.reserve(positions.size() + 1);
-    data_->ray_tracer.emplace(positions, data_->indices, reach_of(*data_));
+    data_->texture_means.clear();
+    data_->ray_tracer.emplace(positions, data_->indices, data_->triangles, reach_of(*data_));
 }
 
 Span<const Light> Scene::lights() const noexcept {

@@ -3,6 +3,8 @@
 #include "render/emitter.h"
 #include "render/environment.h"
 #include "render/ray_tracer.h"
+#include "render/texture_mean.h"
+#include "render/triangle_record.h"
 #include "render/vec.h"
 #include "render/virtual_emitter.h"
 
@@ -10,12 +12,11 @@
 #include <lightcull/render/scene.h>
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <vector>
 
 namespace lightcull {
-
-inline constexpr std::uint32_t kNone = 0xffffffffu;
 
 /// The properties that the triangles of a mesh have in common; indices into the arrays of
 /// SceneData.
@@ -26,13 +27,9 @@ struct MeshRecord {
     std::uint32_t first_uv = kNone;      ///< index of the first texture coordinates; kNone: none
 };
 
-struct TriangleRecord {
-    std::uint32_t mesh = 0;
-    std::uint32_t light = kNone;
-};
-
 struct SceneData {
     std::vector<Texture> textures;
+    std::map<TextureId, TextureMean> texture_means;  ///< means of those that emit, until commit()
     std::vector<Material> materials;
 
     std::vector<MeshRecord> meshes;

@@ -10,6 +10,7 @@
 namespace lightcull {
 
 using Imath::V2f;
+using Imath::V3d;
 using Imath::V3f;
 
 inline constexpr float kPi = 3.14159265358979323846f;
@@ -28,7 +29,8 @@ inline bool is_finite(const V3f& a) noexcept {
 inline float max_component(const V3f& a) noexcept {
     return std::fmax(a.x, std::fmax(a.y, a.z));
 }
-inline V3f abs(const V3f& a) noexcept {
+template <typename T>
+Imath::Vec3<T> abs(const Imath::Vec3<T>& a) noexcept {
     return {std::fabs(a.x), std::fabs(a.y), std::fabs(a.z)};
 }
 
@@ -39,7 +41,7 @@ inline V3f unit(const V3f& a) noexcept {
 
 /// The unit vector along a of any length that floats can have; 0 for 0.
 inline V3f direction(float3 a) noexcept {
-    return V3f(Imath::V3d(a.x, a.y, a.z).normalized());
+    return V3f(V3d(a.x, a.y, a.z).normalized());
 }
 
 /// Luminance of linear RGB with the sRGB primaries (Rec. 709).

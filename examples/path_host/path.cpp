@@ -11,7 +11,7 @@ using lightcull::ShadingPoint;
 namespace {
 
 constexpr std::uint32_t kMaxBounces = 4;  ///< surfaces on a path
-constexpr float kOffset = 1e-3f;  ///< distance that keeps rays off the surface that they leave
+constexpr float kOffset = 1e-3f;  ///< distance that keeps rays off the surfaces at their ends
 
 /// The balance heuristic.
 float mis_weight(float pdf, float other_pdf) {
@@ -99,7 +99,7 @@ std::optional<float> add_light(const Scene& scene, const Selection& selection, P
         const float area_cosine = -dot(emitter.normal_times_area(), direction);
         const float3 bsdf = surface.bsdf_cosine(direction);
         if (area_cosine > 0.0f && luminance(bsdf) > 0.0f) {
-            const bool is_free = scene.is_free({path.position, direction}, 0.999f * distance);
+            const bool is_free = scene.is_free({path.position, direction}, distance - kOffset);
             visibility = is_free ? 1.0f : 0.0f;
         }
         if (visibility == 1.0f) {

@@ -57,6 +57,35 @@ def test_a_point_light_over_a_floor() -> None:
     np.testing.assert_allclose(image, np.broadcast_to(expected, image.shape), rtol=1e-3)
 
 
+@pytest.mark.filterwarnings("ignore:scene. the image is black")
+@pytest.mark.parametrize("distance", [3.0, 100.0, 5000.0])
+@pytest.mark.parametrize("kind", ["area", "point"])
+def test_a_plate_right_before_a_lamp_hides_it(kind: str, distance: float) -> None:
+    """Radiance of a floor below: albedo / pi * intensity / distance^2, or nothing."""
+
+    def radiance(plate: float | None) -> float:
+        scene = lightcull.Scene()
+        scene.add_mesh(square(distance, 0, facing_up=True), QUAD)
+        half = 1e-3 * distance
+        if kind == "area":
+            lamp = square(half, distance, facing_up=False)
+            scene.add_light_mesh(lamp, QUAD, radiance=(1 / (4 * half**2),) * 3)
+        else:
+            scene.add_point_light((0, distance, 0), (1, 1, 1))
+        if plate is not None:
+            scene.add_mesh(square(2 * half, plate, facing_up=False), QUAD)
+        scene.set_camera((0, distance / 2, 0), (0, 0, 0), up=(0, 0, 1), vertical_fov=0.002)
+        return float(lightcull.render(scene, spp=4, size=(16, 16)).image.mean(dtype=np.float64))
+
+    white = radiance(None)
+    albedo = 0.5
+    assert white == pytest.approx(albedo / np.pi / distance**2, rel=1e-3)
+    gap = 2.0**-20 * distance
+    assert radiance(distance - gap) == 0
+    assert radiance(distance + gap) == white
+    assert radiance(distance) == white
+
+
 def test_stats_and_progress(room: lightcull.Scene) -> None:
     steps: list[lightcull.Progress] = []
     result = lightcull.render(room, spp=4, size=SIZE, progress=steps.append)

@@ -84,6 +84,22 @@ def test_a_light_mesh_is_textured(tmp_path: Path) -> None:
     assert image[8, 4].max() < 0.5 < 3.5 < image[8, 11].min()
 
 
+def test_a_light_knows_the_mean_of_a_large_texture() -> None:
+    """Four texels in the middle give all the light: half to each triangle, on their edge."""
+    scene = lightcull.Scene()
+    texels = np.zeros((2048, 4096, 3), np.float32)
+    texels[1023:1025, 2047:2049] = 1e6
+    scene.add_light_mesh(
+        np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], np.float32),
+        QUAD,
+        radiance=(1, 1, 1),
+        texture=scene.add_texture(texels),
+        uvs=np.array([[0, 0], [1, 0], [1, 1], [0, 1]], np.float32),
+    )
+    area, mean = 0.5, 4e6 / (2048 * 4096)
+    np.testing.assert_allclose(scene.lights()["intensity"], area * mean, rtol=1e-5)
+
+
 def test_material_kinds() -> None:
     with pytest.raises(lightcull.Error, match="kind 'glass' is neither"):
         lightcull.Scene().add_material(kind="glass")

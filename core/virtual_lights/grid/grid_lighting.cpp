@@ -107,12 +107,12 @@ class GridTile {
     /// lost so), so it ends where the box may begin.
     Ray shadow_ray(const V3f& origin, GridFinder::Found found,
                    RandomStream& random) const noexcept {
-        const V3f way = position(found) - origin;
-        if (found.level == 0) return {origin, way, kShadowEnd};
+        if (found.level == 0) return segment(origin, position(found));
         const float x = random.next(), y = random.next(), z = random.next();
         const V3f box = hierarchy_.level(found.level)[found.index].deviation * std::sqrt(3.0f);
-        const V3f to_place = way + box * V3f(2.0f * x - 1.0f, 2.0f * y - 1.0f, 2.0f * z - 1.0f);
-        const float end = kShadowEnd - box.length() / to_place.length();
+        const V3f to_place =
+            position(found) - origin + box * V3f(2.0f * x - 1.0f, 2.0f * y - 1.0f, 2.0f * z - 1.0f);
+        const float end = 1.0f - box.length() / to_place.length();
         return {origin, to_place, std::max(end, 0.0f)};
     }
 

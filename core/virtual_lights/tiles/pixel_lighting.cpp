@@ -60,7 +60,7 @@ void PixelLighting::add_near(std::size_t pixel, std::uint32_t index, const V3f& 
                       (scale_ * weight / std::max(distance2, of_pass_.nearest2));
     if (value == V3f(0.0f)) return;
     if (pass.options.shadows == VirtualShadows::kRays) {
-        rays_.push_back({surface.origin, light.position - surface.origin, kShadowEnd});
+        rays_.push_back(segment(surface.origin, light.position));
         values_.push_back(value);
         return;
     }

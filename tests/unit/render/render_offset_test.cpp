@@ -167,7 +167,7 @@ TEST_CASE("rays inside a closed room never leave it, and its lamp is seen from e
             const auto sample =
                 sample_emitter(impl, impl.emitters[0], s.position, V2f(x, random.next()));
             if (sample.radiance.x == 0.0f || sample.direction.dot(s.normal) <= 0.0f) continue;
-            shadow_rays.push_back({s.origin, sample.place - s.origin, lightcull::kShadowEnd});
+            shadow_rays.push_back(lightcull::segment(s.origin, sample.place, sample.triangle));
         }
         REQUIRE(shadow_rays.size() > 10000);
         std::vector<std::uint8_t> occluded(shadow_rays.size());

@@ -1,0 +1,30 @@
+#pragma once
+
+#include "render/ray.h"
+#include "render/triangle_record.h"
+#include "render/vec.h"
+
+#include <cstdint>
+
+struct RTCFilterFunctionNArguments;  // Embree's
+
+namespace lightcull {
+
+/// The triangles of a scene: the user data of filter_shadow_hits().
+struct Triangles {
+    const V3f* positions;
+    const std::uint32_t* indices;  ///< three per triangle
+    const TriangleRecord* records;
+    float distance_unit;  ///< a distance along a ray as Embree has it, over that of the ray
+};
+
+/// Whether a triangle that a ray hits at `distance`, in lengths of its direction, lies before the
+/// end of the ray: whether its plane parts the ends, by more than what rounding has moved the end.
+/// So nothing hides a place in its own plane, and a plate right before a lamp hides the lamp.
+bool hides_end(const Triangles& triangles, std::uint32_t triangle, float distance,
+               const Ray& ray) noexcept;
+
+/// Embree's filter of the hits of shadow rays, with a ShadowContext: keeps those that hide the end.
+void filter_shadow_hits(const RTCFilterFunctionNArguments* hits);
+
+}  // namespace lightcull
