@@ -216,6 +216,36 @@ class RendererMemory:
     def paths(self) -> int:
         """Once a pass has been rendered."""
 
+class LearnedView:
+    """What a sampler has learned, as the pixels of an image see it."""
+
+    def cells(self) -> np.ndarray:
+        """int32 (H, W): the cell that the pixel's point lies in; -1 where there is none."""
+
+    def visibility(self) -> np.ndarray:
+        """float32 (H, W): the share of shadow rays to the cluster of `light` that is taken to arrive,
+        [0, 1]; not a number where nothing is known.
+        """
+
+    def normals(self) -> np.ndarray:
+        """float32 (H, W, 3): towards the camera, unit length; 0 where nothing is seen."""
+
+    @property
+    def light(self) -> int:
+        """The light whose visibility differs most from pixel to pixel, of some hundreds."""
+
+    @property
+    def light_position(self) -> tuple[float, float, float]:
+        """Metres."""
+
+    @property
+    def cell_count(self) -> int:
+        """The cells there are, seen or not."""
+
+    @property
+    def memory_size(self) -> int:
+        """Bytes that they take."""
+
 class Renderer:
     def __init__(
         self,
@@ -242,6 +272,9 @@ class Renderer:
 
     def stats(self) -> RenderStats: ...
     def mean_counts(self) -> MeanCounts: ...
+    def learned_view(self) -> LearnedView | None:
+        """None where nothing was learned."""
+
     def memory_size(self) -> RendererMemory: ...
     def setup_seconds(self) -> float: ...
 

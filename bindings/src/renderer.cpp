@@ -5,10 +5,14 @@
 #include "arrays.h"
 #include "counts.h"
 #include "interruptible.h"
+#include "learned_view.h"
 #include "module.h"
+
+#include <pybind11/stl.h>
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -68,6 +72,13 @@ class InterruptibleRenderer : public Interruptible<Renderer> {
         });
     }
 
+    /// None where nothing was learned.
+    std::optional<LearnedView> learned_view() {
+        return locked([&](const Renderer& renderer) {
+            return python::learned_view(renderer.sampler(), *scene_, settings());
+        });
+    }
+
     RendererMemory memory_size() {
         return locked([](const Renderer& renderer) { return renderer.memory_size(); });
     }
@@ -75,6 +86,15 @@ class InterruptibleRenderer : public Interruptible<Renderer> {
   private:
     std::shared_ptr<const Scene> scene_;
 };
+
+/// The pixels of a view as an array (H, W).
+template <typename T>
+py::object array_of(const LearnedView& view, const std::vector<T>& pixels, const char* type) {
+    py::object array =
+        new_array(py::make_tuple(view.height, view.width), numpy_dtype(py::str(type)));
+    std::copy(pixels.begin(), pixels.end(), elements<T>(array).begin());
+    return array;
+}
 
 DirectLight direct_light_of(const std::string& name) {
     if (name == "mis") return DirectLight::kMis;
@@ -122,6 +142,20 @@ void bind_renderer(py::module_& module) {
         .def_readonly("nodes_visited", &MeanCounts::nodes_visited)
         .def_readonly("lights_tested", &MeanCounts::lights_tested)
         .def_readonly("accepted", &MeanCounts::accepted);
+    py::class_<LearnedView>(module, "LearnedView")
+        .def("cells", [](const LearnedView& v) { return array_of(v, v.cells, "int32"); })
+        .def("visibility",
+             [](const LearnedView& v) { return array_of(v, v.visibility, "float32"); })
+        .def("normals",
+             [](const LearnedView& v) { return array_from_image(v.normals, v.width, v.height); })
+        .def_readonly("light", &LearnedView::light)
+        .def_property_readonly("light_position",
+                               [](const LearnedView& v) {
+                                   const float3& p = v.light_position;
+                                   return py::make_tuple(p.x, p.y, p.z);
+                               })
+        .def_readonly("cell_count", &LearnedView::cell_count)
+        .def_readonly("memory_size", &LearnedView::memory_size);
     py::class_<InterruptibleRenderer>(module, "Renderer")
         .def(py::init(&make_renderer), py::arg("scene"), py::arg("sampler"), py::arg("width"),
              py::arg("height"), py::arg("max_depth"), py::arg("seed"), py::arg("threads"),
@@ -133,6 +167,7 @@ void bind_renderer(py::module_& module) {
         .def("restore", &InterruptibleRenderer::restore)
         .def("stats", &InterruptibleRenderer::stats)
         .def("mean_counts", &InterruptibleRenderer::mean_counts)
+        .def("learned_view", &InterruptibleRenderer::learned_view)
         .def("memory_size", &InterruptibleRenderer::memory_size)
         .def("setup_seconds", &InterruptibleRenderer::setup_seconds);
 }

@@ -16,10 +16,16 @@ namespace {
 /// The number of points of each kind that a sampler is calibrated on.
 constexpr std::uint32_t kCalibrationPoints = 128;
 
-/// The surfaces that rays meet.
-std::vector<Surface> trace(const SceneData& scene, const std::vector<Ray>& rays) {
+/// The first hits of rays.
+std::vector<Hit> hits_of(const SceneData& scene, const std::vector<Ray>& rays) {
     std::vector<Hit> hits(rays.size());
     scene.ray_tracer->intersect(rays, hits, false);
+    return hits;
+}
+
+/// The surfaces that rays meet.
+std::vector<Surface> trace(const SceneData& scene, const std::vector<Ray>& rays) {
+    const std::vector<Hit> hits = hits_of(scene, rays);
     std::vector<Surface> surfaces;
     for (std::size_t i = 0; i < rays.size(); ++i) {
         if (hits[i].triangle == kNoHit) continue;
@@ -28,9 +34,9 @@ std::vector<Surface> trace(const SceneData& scene, const std::vector<Ray>& rays)
     return surfaces;
 }
 
-/// The surfaces that the centres of about `count` cells show, in which the image is divided.
-std::vector<Surface> camera_surfaces(const Scene& scene, const RenderSettings& settings,
-                                     std::uint32_t count) {
+/// Rays through the centres of about `count` cells, in which the image is divided, row by row.
+std::vector<Ray> camera_rays(const Scene& scene, const RenderSettings& settings,
+                             std::uint32_t count) {
     check_committed(scene);
     check_settings(settings);
     const auto width = static_cast<float>(settings.width);
@@ -50,6 +56,13 @@ std::vector<Surface> camera_surfaces(const Scene& scene, const RenderSettings& s
             rays.push_back(camera.ray(place / grid * V2f(width, height), V2f(0.5f)));
         }
     }
+    return rays;
+}
+
+/// The surfaces that these rays meet.
+std::vector<Surface> camera_surfaces(const Scene& scene, const RenderSettings& settings,
+                                     std::uint32_t count) {
+    const std::vector<Ray> rays = camera_rays(scene, settings, count);
     return trace(data_of(scene), rays);
 }
 
@@ -77,6 +90,19 @@ std::vector<ShadingPoint> camera_points(const Scene& scene, const RenderSettings
                                         std::uint32_t count) {
     std::vector<ShadingPoint> points;
     append(camera_surfaces(scene, settings, count), points);
+    return points;
+}
+
+std::vector<std::optional<ShadingPoint>> pixel_points(const Scene& scene,
+                                                      const RenderSettings& settings) {
+    const std::vector<Ray> rays = camera_rays(scene, settings, settings.width * settings.height);
+    const SceneData& data = data_of(scene);
+    const std::vector<Hit> hits = hits_of(data, rays);
+    std::vector<std::optional<ShadingPoint>> points(rays.size());
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        if (hits[i].triangle == kNoHit) continue;
+        points[i] = make_surface(data, hits[i], rays[i].direction).shading_point(0);
+    }
     return points;
 }
 

@@ -41,6 +41,9 @@ class FakeJob:
     def mean_counts(self):
         return type("Counts", (), {"accepted": 1.0, "nodes_visited": 2.0, "lights_tested": 3.0})
 
+    def learned_view(self) -> None:
+        return None
+
     def stats(self) -> lightcull.Stats:
         setup = self.setup_seconds[self.sampler]
         seconds = setup + self.spp * self.pass_seconds[self.sampler]
@@ -129,6 +132,38 @@ def test_report(room: lightcull.Scene, tmp_path: Path) -> None:
     last_seconds, last_error = result.samplers["culled"].curve[-1]
     assert last_seconds == result.samplers["culled"].seconds
     assert last_error == relmse(result.samplers["culled"].image, result.reference.image)
+
+
+def test_what_was_learned_is_reported(room: lightcull.Scene, tmp_path: Path) -> None:
+    result = lightcull.compare(room, ["culled", "learned"], folder=tmp_path, **QUICK)
+    assert result.samplers["culled"].learned is None
+    learned = result.samplers["learned"].learned
+    assert learned.cells.shape == learned.visibility.shape == (SIZE[1], SIZE[0])
+    seen = learned.cells >= 0
+    assert np.linalg.norm(learned.normals[seen], axis=-1) == pytest.approx(1, abs=1e-3)
+    assert seen.mean() > 0.5 and learned.cells.max() < learned.cell_count
+    assert learned.memory_size > 1000 * learned.cell_count
+    known = np.isfinite(learned.visibility)
+    assert known.any() and not known[~seen].any()
+    assert 0 <= learned.visibility[known].min() and learned.visibility[known].max() <= 1
+    light = room.lights()[learned.light]
+    assert learned.light_position == tuple(light["center"])
+    assert light["intensity"] > 0
+    report = json.loads((tmp_path / "report.json").read_text())["samplers"]
+    assert report["learned"]["learned"]["cells"] == learned.cell_count
+    assert report["culled"]["learned"] is None
+    for what in ("cells", "visibility"):
+        assert [path.name for path in tmp_path.glob(f"*_{what}.png")] == [f"learned_{what}.png"]
+
+
+def test_the_light_shown_is_hidden_from_some_and_not_from_others() -> None:
+    """From one of the offices, that is a lamp beyond the door."""
+    result = lightcull.compare(
+        lightcull.example_scene("offices"), ["learned"], spp=12, size=SIZE, reference_seconds=0.1
+    )
+    visibility = result.samplers["learned"].learned.visibility
+    known = visibility[np.isfinite(visibility)]
+    assert (known < 0.2).mean() > 0.1 and (known > 0.8).mean() > 0.1
 
 
 def test_images_are_those_of_render(room: lightcull.Scene) -> None:

@@ -25,7 +25,7 @@ SAMPLER_KEYS = {
     "spp", "seconds", "setup_seconds", "ns_per_selection", "rays_per_second", "accepted_per_point",
     "nodes_per_point", "lights_tested_per_point", "rmse", "relmse", "flip", "relmse_blurred",
     "efficiency", "ratio_to_uniform", "ratio_to_light_bvh", "error_curve", "relmse_blurred31",
-    "selection_share", "ratio_to_uniform_blurred", "ratio_to_light_bvh_blurred",
+    "selection_share", "ratio_to_uniform_blurred", "ratio_to_light_bvh_blurred", "learned",
 }  # fmt: skip
 """What scripts read."""
 
@@ -60,6 +60,14 @@ def make_run(error: float, seconds: float = 10.0, **changes) -> report.SamplerRu
         curve=[(1.0, 0.4), (10.0, 0.04)],
     )
     return report.SamplerRun(**{**values, **changes})
+
+
+def make_learned() -> report.Learned:
+    """Two cells side by side and pixels that show nothing; a light that is hidden from one of them."""
+    cells = np.repeat([[0, 7, -1, -1]], HEIGHT, axis=0).repeat(WIDTH // 4, axis=1).astype(np.int32)
+    visibility = np.select([cells == 0, cells == 7], [0.25, 1.0], np.nan).astype(np.float32)
+    normals = np.where((cells >= 0)[..., None], np.float32((0, 0, 1)), 0)
+    return report.Learned(cells, visibility, normals, 12_345, (1.5, -2.25, 3.0), 4_321, 5 << 20)
 
 
 def make_comparison(**samplers: report.SamplerRun) -> report.Comparison:
@@ -275,7 +283,7 @@ def test_csv_says_what_json_says(folder: Path) -> None:
         assert row["scene"] == content["scene"]
         for key in tables.RUN_COLUMNS:
             assert float(row[key]) == content["samplers"][row["sampler"]][key]
-    assert set(tables.RUN_COLUMNS) == SAMPLER_KEYS - {"error_curve"}
+    assert set(tables.RUN_COLUMNS) == SAMPLER_KEYS - {"error_curve", "learned"}
     with (folder / "error_curves.csv").open(newline="") as stream:
         points = [(row["sampler"], float(row["seconds"])) for row in csv.DictReader(stream)]
     assert points == [(name, at) for name in content["samplers"] for at in (1.0, 10.0)]
@@ -333,6 +341,81 @@ def test_error_maps_average_to_the_figures() -> None:
     for kind in pictures.ERROR_MAPS:
         values = pictures.error_values(kind, run.image, reference)
         assert np.mean(values) == pytest.approx(expected[kind.key], rel=1e-5)
+
+
+# What was learned
+
+
+@pytest.fixture(scope="module")
+def learned_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    target = tmp_path_factory.mktemp("learned")
+    learned = make_run(0.1, learned=make_learned())
+    report.write(make_comparison(**{"culled": make_run(0.2), "learned:rounds=9": learned}), target)
+    return target
+
+
+def test_cells_differ_in_color_and_are_shaded() -> None:
+    cells = np.arange(300, dtype=np.int32).reshape(15, 20)
+    side = np.float32(pictures.SHADE_DIRECTION)
+    assert np.linalg.norm(side) == pytest.approx(1)
+    towards, away = (np.full((15, 20, 3), normal, np.float32) for normal in (side, -side))
+    bright, dark = (pictures.cell_picture(cells, normals) for normals in (towards, away))
+    assert len(np.unique(bright.reshape(-1, 3), axis=0)) > 290
+    # One after the other: as far apart in hue as the golden ratio puts them.
+    steps = np.abs(np.diff(bright.astype(int), axis=1)).max(axis=2)
+    assert steps.min() > 60
+    assert np.all(bright.max(axis=2) == 255)
+    assert np.all(dark.max(axis=2) == 102)
+    assert not pictures.cell_picture(np.full((2, 2), -1, np.int32), towards[:2, :2]).any()
+
+
+def test_visibility_has_the_colors_of_its_scale() -> None:
+    values = np.array([[0.0, 0.5, 1.0, np.nan]], np.float32)
+    expected = [*pictures.palette()[[0, 128, 255]].tolist(), list(pictures.UNKNOWN)]
+    assert pictures.visibility_picture(values)[0].tolist() == expected
+    assert pictures.UNKNOWN not in {tuple(color) for color in pictures.palette().tolist()}
+
+
+def test_pictures_of_what_was_learned_are_written(learned_folder: Path) -> None:
+    assert sorted(path.name for path in learned_folder.glob("*_*.png")) == [
+        "error_curves.png", "learned_rounds-9.png", "learned_rounds-9_cells.png",
+        "learned_rounds-9_visibility.png",
+    ]  # fmt: skip
+    with Image.open(learned_folder / "learned_rounds-9_cells.png") as picture:
+        cells = np.asarray(picture.convert("RGB"))
+    assert cells.shape == (HEIGHT, WIDTH, 3)
+    assert not cells[:, WIDTH // 2 :].any() and cells[:, : WIDTH // 2].any(axis=2).all()
+    with Image.open(learned_folder / "learned_rounds-9_visibility.png") as picture:
+        seen = np.asarray(picture.convert("RGB"))
+    quarters = [pictures.palette()[64], pictures.palette()[255], pictures.UNKNOWN, pictures.UNKNOWN]
+    assert np.array_equal(seen[0, WIDTH // 8 :: WIDTH // 4], quarters)
+
+
+def test_json_and_page_say_what_was_learned(learned_folder: Path) -> None:
+    samplers = json.loads((learned_folder / "report.json").read_text())["samplers"]
+    assert samplers["culled"]["learned"] is None
+    assert samplers["learned:rounds=9"]["learned"] == {
+        "cells": 4321, "bytes": 5 << 20, "light": 12345, "light_position": [1.5, -2.25, 3.0],
+    }  # fmt: skip
+    text = (learned_folder / "index.html").read_text(encoding="utf-8")
+    said = re.sub(r"[ \n]+", " ", " ".join(Page(text).text))
+    for words in ("What was learned", "4\u202f321 in all", "5.00 MiB", "light 12\u202f345",
+                  "(1.5, -2.25, 3.0) m"):  # fmt: skip
+        assert words in said
+    for what in ("cells", "visibility"):
+        png = (learned_folder / f"learned_rounds-9_{what}.png").read_bytes()
+        assert base64.b64encode(png).decode("ascii") in text
+
+
+def test_page_is_silent_where_nothing_was_learned(page_text: str) -> None:
+    assert "What was learned" not in page_text
+
+
+def test_comparison_names_what_was_learned_of_another_size() -> None:
+    learned = make_learned()
+    learned.cells = learned.cells[1:]
+    with pytest.raises(ValueError, match="cells of sampler 'learned'.*expected"):
+        make_comparison(learned=make_run(0.1, learned=learned))
 
 
 # The page
@@ -426,7 +509,7 @@ def test_page_warns_of_a_noisy_reference() -> None:
     noisy = make_comparison()
     noisy.reference.relmse_of_itself = 0.1
     images = {"image": {}, **{kind.key: {} for kind in pictures.ERROR_MAPS}}
-    pages = [page.render(made.figures, images, "aces") for made in (clean, noisy)]
+    pages = [page.render(made.figures, images, {}, "aces") for made in (clean, noisy)]
     assert ["†" in page for page in pages] == [False, True]
 
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from ..rendering.budget import Budget
-from ..rendering.job import CountingJob
-from ..report import Reference, SamplerRun
+from ..rendering.job import CountingJob, LearnedView
+from ..report import Learned, Reference, SamplerRun
 from ..report.metrics import relmse
 
 _MOMENT_RATIO = 1.3
@@ -53,9 +53,24 @@ class Contender:
             nodes_per_point=counts.nodes_visited,
             lights_tested_per_point=counts.lights_tested,
             curve=list(self._curve),
+            learned=_learned(self.job.learned_view()),
         )
 
     def _take_error(self) -> None:
         seconds = self.job.stats().seconds
         self._curve.append((seconds, relmse(self.job.image(), self._reference.image)))
         self._next_moment = seconds * _MOMENT_RATIO
+
+
+def _learned(view: LearnedView | None) -> Learned | None:
+    if view is None:
+        return None
+    return Learned(
+        cells=view.cells(),
+        visibility=view.visibility(),
+        normals=view.normals(),
+        light=view.light,
+        light_position=view.light_position,
+        cell_count=view.cell_count,
+        memory_size=view.memory_size,
+    )

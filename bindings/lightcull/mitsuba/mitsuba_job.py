@@ -55,6 +55,9 @@ class MitsubaJob:
     def mean_counts(self) -> NoCounts:
         return NoCounts()
 
+    def learned_view(self) -> None:
+        """What is learned inside Mitsuba is not to be seen."""
+
     def stats(self) -> Stats:
         """Of which Mitsuba tells only samples and seconds."""
         return Stats(

@@ -27,10 +27,15 @@ class Job(Protocol):
 
 
 class CountingJob(Job, Protocol):
-    """A render that knows what its selections cost."""
+    """A render that knows what its selections cost, and what its sampler has learned."""
 
     def mean_counts(self) -> SelectionCounts:
         """Mean cost of one selection; not a number where nobody counts."""
+
+    def learned_view(self) -> LearnedView | None:
+        """What was learned, as the image's pixels see it; None where nothing was, or a host does not
+        tell.
+        """
 
 
 class SelectionCounts(Protocol):
@@ -42,3 +47,19 @@ class SelectionCounts(Protocol):
     def nodes_visited(self) -> float: ...
     @property
     def lights_tested(self) -> float: ...
+
+
+class LearnedView(Protocol):
+    """What `_core.LearnedView` has."""
+
+    def cells(self) -> np.ndarray: ...
+    def visibility(self) -> np.ndarray: ...
+    def normals(self) -> np.ndarray: ...
+    @property
+    def light(self) -> int: ...
+    @property
+    def light_position(self) -> tuple[float, float, float]: ...
+    @property
+    def cell_count(self) -> int: ...
+    @property
+    def memory_size(self) -> int: ...

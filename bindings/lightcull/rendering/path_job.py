@@ -45,6 +45,10 @@ class PathJob:
         """Mean cost of one selection at camera points. After the first pass."""
         return self._renderer.mean_counts()
 
+    def learned_view(self) -> _core.LearnedView | None:
+        """What the sampler has learned, at camera points; None if it has not."""
+        return self._renderer.learned_view()
+
     def memory_size(self) -> tuple[_core.SceneMemory, _core.RendererMemory, int]:
         """Bytes, of the scene, of paths and of virtual lights."""
         return self._scene.memory_size(), self._renderer.memory_size(), 0

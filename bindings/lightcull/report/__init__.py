@@ -2,13 +2,15 @@
 
 from . import metrics
 from .comparison import Comparison
-from .figures import ComparisonFigures, ReferenceFigures, SamplerFigures
-from .runs import Reference, SamplerRun
+from .figures import ComparisonFigures, LearnedFigures, ReferenceFigures, SamplerFigures
+from .runs import Learned, Reference, SamplerRun
 from .write import write
 
 __all__ = [
     "Comparison",
     "ComparisonFigures",
+    "Learned",
+    "LearnedFigures",
     "Reference",
     "ReferenceFigures",
     "SamplerFigures",

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from .figures import ComparisonFigures, figures_of_reference, figures_of_runs
-from .runs import Reference, SamplerRun
+from .runs import Learned, Reference, SamplerRun
 
 
 @dataclass
@@ -62,5 +62,17 @@ class Comparison:
                 raise ValueError(f"image of {owner}: shape {np.shape(image)}, expected {wanted}")
             if not np.isfinite(image).all():
                 raise ValueError(f"image of {owner}: has pixels that are not finite")
+        for name, run in self.samplers.items():
+            if run.learned is not None:
+                _check_size(run.learned, name, wanted)
         if not self.samplers:
             raise ValueError("a comparison needs at least one sampler")
+
+
+def _check_size(learned: Learned, sampler: str, wanted: tuple[int, int, int]) -> None:
+    """Raises ValueError if what was learned is not shown by pixels of an image of this shape."""
+    shapes = {"cells": wanted[:2], "visibility": wanted[:2], "normals": wanted}
+    for what, expected in shapes.items():
+        shape = np.shape(getattr(learned, what))
+        if shape != expected:
+            raise ValueError(f"{what} of sampler {sampler!r}: shape {shape}, expected {expected}")

@@ -12,10 +12,24 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from . import metrics
-from .runs import Reference, SamplerRun
+from .runs import Learned, Reference, SamplerRun
 
 _UNIFORM, _LIGHT_BVH = "uniform", "light_bvh"
 """The samplers whose efficiency divides that of the others."""
+
+
+@dataclass(frozen=True)
+class LearnedFigures:
+    """What a sampler has learned came to, and the light whose visibility is shown."""
+
+    cells: int
+    """Cells that there are, seen or not."""
+    bytes: int
+    """Memory that they take."""
+    light: int
+    """Index of the light."""
+    light_position: tuple[float, float, float]
+    """Metres."""
 
 
 @dataclass(frozen=True)
@@ -54,6 +68,8 @@ class SamplerFigures:
     """1 / (relMSE x seconds), 1/s."""
     error_curve: tuple[tuple[float, float | None], ...]
     """(seconds, relMSE) as the image converged."""
+    learned: LearnedFigures | None = None
+    """What it has learned, where that is known."""
     ratio_to_uniform: float | None = None
     """Its efficiency, divided by that of `uniform`."""
     ratio_to_light_bvh: float | None = None
@@ -143,6 +159,16 @@ def _of_run(run: SamplerRun, reference_image: np.ndarray) -> SamplerFigures:
         ),
         efficiency=_efficiency(relmse, run.seconds),
         error_curve=tuple((float(seconds), _finite(error)) for seconds, error in run.curve),
+        learned=_of_learned(run.learned),
+    )
+
+
+def _of_learned(learned: Learned | None) -> LearnedFigures | None:
+    if learned is None:
+        return None
+    x, y, z = (float(coordinate) for coordinate in learned.light_position)
+    return LearnedFigures(
+        int(learned.cell_count), int(learned.memory_size), int(learned.light), (x, y, z)
     )
 
 

@@ -55,11 +55,17 @@ COST_COLUMNS = (
 )
 
 
-def render(figures: ComparisonFigures, images: dict[str, dict[str, bytes]], view: str) -> str:
+def render(
+    figures: ComparisonFigures,
+    images: dict[str, dict[str, bytes]],
+    learned: dict[str, dict[str, bytes]],
+    view: str,
+) -> str:
     """The page.
 
-    images: PNG files by layer ("image" or the key of an error
-    map), then by name ("reference" or the sampler); view: what the images were made with.
+    images: PNG files by layer ("image" or the key of an error map), then by name ("reference" or the
+    sampler); learned: PNG files "cells" and "visibility" of samplers that have learned; view: what
+    the images were made with.
     """
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("lightcull.report", "."),
@@ -89,7 +95,13 @@ def render(figures: ComparisonFigures, images: dict[str, dict[str, bytes]], view
             }
             for kind in pictures.ERROR_MAPS
         },
+        learned={
+            name: {what: _data_address(png) for what, png in of_sampler.items()}
+            for name, of_sampler in learned.items()
+        },
+        unknown="rgb({}, {}, {})".format(*pictures.UNKNOWN),
         significant=significant,
+        grouped=_grouped,
         view=view,
         data=_script_data(names, images, figures),
     )
@@ -112,8 +124,12 @@ def significant(value: float | None, digits: int = 3) -> str:
 
 def _text(value: float | None, unit: float) -> str:
     if isinstance(value, int):
-        return f"{value:,}".replace(",", NARROW)
+        return _grouped(value)
     return significant(None if value is None else value / unit)
+
+
+def _grouped(number: int) -> str:
+    return f"{number:,}".replace(",", NARROW)
 
 
 def _superscript(number: int) -> str:
@@ -182,15 +198,16 @@ def _gradient() -> str:
     return ", ".join("rgb({}, {}, {})".format(*color) for color in colors)
 
 
+def _data_address(png: bytes) -> str:
+    return "data:image/png;base64," + base64.b64encode(png).decode("ascii")
+
+
 def _script_data(
     names: list[str], images: dict[str, dict[str, bytes]], figures: ComparisonFigures
 ) -> str:
     """What the page's script reads. JSON in a <script> must not hold "</"."""
     encoded = {
-        layer: {
-            name: "data:image/png;base64," + base64.b64encode(png).decode("ascii")
-            for name, png in of_layer.items()
-        }
+        layer: {name: _data_address(png) for name, png in of_layer.items()}
         for layer, of_layer in images.items()
     }
     left, right = _first_pair(figures)

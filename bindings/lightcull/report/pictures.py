@@ -6,6 +6,7 @@ import io
 from dataclasses import dataclass
 
 import matplotlib
+import matplotlib.colors
 import numpy as np
 from PIL import Image
 
@@ -15,6 +16,10 @@ from . import metrics
 BRIGHTNESS = 0.11
 """Log-average that pictures are brought to: below middle grey, scenes full of lights are night."""
 COLOR_MAP = "magma"
+SHADE_DIRECTION = (0.36, 0.8, 0.48)
+"""The side from which surfaces in the picture of cells are brightest."""
+UNKNOWN = (112, 112, 112)
+"""Grey of pixels of which nothing was learned: no colour of the map is like it."""
 
 
 @dataclass(frozen=True)
@@ -79,6 +84,30 @@ def palette() -> np.ndarray:
     """The colours of error maps, dark to bright: (256, 3) uint8."""
     colors = matplotlib.colormaps[COLOR_MAP](np.arange(256))[:, :3]
     return np.round(255.0 * colors).astype(np.uint8)
+
+
+def cell_picture(cells: np.ndarray, normals: np.ndarray) -> np.ndarray:
+    """A colour for each cell, shaded by the normals: (H, W, 3) uint8, black without a cell.
+
+    cells, normals: as in `Learned`.
+    """
+    number = np.maximum(cells, 0).astype(np.uint64)
+    # Hues of cells that were made one after the other, which are often neighbours, lie far apart.
+    hue = number * 0x9E3779B1 % 2**32 / 2**32
+    saturation = 0.3 + 0.4 * (number * 0x85EBCA77 % 2**32 / 2**32)
+    brightness = np.clip(0.7 + 0.3 * (normals @ np.array(SHADE_DIRECTION)), 0.0, 1.0)
+    colors = matplotlib.colors.hsv_to_rgb(np.stack((hue, saturation, brightness), axis=-1))
+    colors[cells < 0] = 0.0
+    return np.round(255.0 * colors).astype(np.uint8)
+
+
+def visibility_picture(visibility: np.ndarray) -> np.ndarray:
+    """The colours of error maps for 0 to 1, UNKNOWN for what is not a number: (H, W, 3) uint8."""
+    known = np.isfinite(visibility)
+    index = np.round(255.0 * np.where(known, visibility, 0.0)).astype(np.uint8)
+    picture: np.ndarray = palette()[index]
+    picture[~known] = UNKNOWN
+    return picture
 
 
 def encode_png(pixels: np.ndarray) -> bytes:

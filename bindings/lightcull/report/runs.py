@@ -22,6 +22,28 @@ class Reference:
 
 
 @dataclass
+class Learned:
+    """What a sampler has learned of what is hidden from where, as the image's pixels see it."""
+
+    cells: np.ndarray
+    """int32 (H, W): the cell that the pixel's point lies in; -1 where there is none."""
+    visibility: np.ndarray
+    """float32 (H, W): the share of shadow rays to the cluster of `light` that is taken to arrive,
+    [0, 1]; not a number where nothing is known.
+    """
+    normals: np.ndarray
+    """float32 (H, W, 3): of what the pixels show, unit length, towards the camera; 0 for nothing."""
+    light: int
+    """Index of a light whose visibility differs much from pixel to pixel."""
+    light_position: tuple[float, float, float]
+    """Metres."""
+    cell_count: int
+    """Cells that there are, seen or not."""
+    memory_size: int
+    """Bytes that cells take."""
+
+
+@dataclass
 class SamplerRun:
     """One sampler's share of a comparison. All times are in seconds of wall time, unless said."""
 
@@ -49,3 +71,5 @@ class SamplerRun:
     """Lights whose range or importance was computed, mean over shading points."""
     curve: list[tuple[float, float]] = field(default_factory=list)
     """(seconds, relMSE) as the image converged; seconds as above, set-up included."""
+    learned: Learned | None = None
+    """None where the sampler has learned nothing, or the host does not tell."""

@@ -13,8 +13,9 @@ from .comparison import Comparison
 
 
 def write(comparison: Comparison, folder: str | Path) -> Path:
-    """Writes index.html, report.json, report.csv, error_curves.csv, error_curves.png, and of the
-    reference and of each sampler NAME.png and NAME.exr, into `folder`, which is made if need be.
+    """Writes index.html, report.json, report.csv, error_curves.csv, error_curves.png, of the reference
+    and of each sampler NAME.png and NAME.exr, and of those that have learned NAME_cells.png and
+    NAME_visibility.png, into `folder`, which is made if need be.
 
     Returns the path of index.html.
     """
@@ -27,6 +28,10 @@ def write(comparison: Comparison, folder: str | Path) -> Path:
     for name, png in images["image"].items():
         write_whole_file(folder / f"{file_stem(name)}.png", png)
     _write_exrs(comparison, folder)
+    learned = _pictures_of_learned(comparison)
+    for name, of_sampler in learned.items():
+        for what, png in of_sampler.items():
+            write_whole_file(folder / f"{file_stem(name)}_{what}.png", png)
     curves = io.BytesIO()
     plots.error_against_time(figures).savefig(curves, dpi=150, format="png")
     write_whole_file(folder / "error_curves.png", curves.getvalue())
@@ -36,7 +41,7 @@ def write(comparison: Comparison, folder: str | Path) -> Path:
 
     index = folder / "index.html"
     shown_with = f"{view}, exposure {exposure:+g} stops"
-    write_whole_file(index, page.render(figures, images, shown_with).encode())
+    write_whole_file(index, page.render(figures, images, learned, shown_with).encode())
     return index
 
 
@@ -63,6 +68,19 @@ def _images(comparison: Comparison, view: str, exposure: float) -> dict[str, dic
             for name, run in comparison.samplers.items()
         }
     return images
+
+
+def _pictures_of_learned(comparison: Comparison) -> dict[str, dict[str, bytes]]:
+    """PNG files "cells" and "visibility" of each sampler that has learned."""
+    all_learned = {name: run.learned for name, run in comparison.samplers.items()}
+    return {
+        name: {
+            "cells": pictures.encode_png(pictures.cell_picture(learned.cells, learned.normals)),
+            "visibility": pictures.encode_png(pictures.visibility_picture(learned.visibility)),
+        }
+        for name, learned in all_learned.items()
+        if learned is not None
+    }
 
 
 def _write_exrs(comparison: Comparison, folder: Path) -> None:

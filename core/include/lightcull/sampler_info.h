@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 namespace lightcull {
 
@@ -15,8 +16,8 @@ struct SelectionCounts {
     std::uint32_t accepted = 0;       ///< lights that were weighed with a weight above 0
 };
 
-/// The costs of a sampler, for benchmarks and reports. Const calls may run on any number of
-/// threads.
+/// The costs of a sampler, and what it has learned, for benchmarks and reports. Const calls may run
+/// on any number of threads.
 class LIGHTCULL_EXPORT SamplerInfo {
   public:
     /// The cost of select() at a point.
@@ -30,6 +31,25 @@ class LIGHTCULL_EXPORT SamplerInfo {
 
     /// The number of cells of what was learned; 0 if nothing was.
     virtual std::size_t cell_count() const noexcept { return 0; }
+
+    /// The part of memory_size() that cells take, bytes.
+    virtual std::size_t cell_memory_size() const noexcept { return 0; }
+
+    static constexpr std::uint32_t kNoCell = 0xffffffffu;
+
+    /// The cell that a point lies in, below cell_count(); kNoCell if it lies in none. select()
+    /// chooses by this one or, so that no edges are seen, by one that is near.
+    virtual std::uint32_t cell_of(const ShadingPoint& /*point*/) const noexcept { return kNoCell; }
+
+    /// V, the share of shadow rays that is taken to arrive, from the cell that a point lies in, at
+    /// the lights of the cluster that holds `light`: [0, 1]. It is the square of the factor by
+    /// which select() weighs the cluster, and so is not below the square of the least factor there
+    /// is. Not a number if the point lies in no cell, if no ray of the cell has gone to the cluster
+    /// yet, or if the cluster gives the point no light.
+    virtual float learned_visibility(const ShadingPoint& /*point*/,
+                                     std::uint32_t /*light*/) const noexcept {
+        return std::numeric_limits<float>::quiet_NaN();
+    }
 
   protected:
     ~SamplerInfo() = default;

@@ -13,7 +13,7 @@ namespace lightcull {
 struct alignas(64) ClusterCut : ClusterMeans<128> {
     static constexpr std::uint32_t kMaxSize = 128;
 
-    float visible[kMaxSize];             ///< factor of a cluster's importance, (0, 1]
+    float visible[kMaxSize];             ///< factor of a cluster's importance, (0, 1]; 1: not tried
     std::uint32_t first_leaf[kMaxSize];  ///< first leaf of a cluster (LeafOrder), ascending
     LightBvhSlot slot[kMaxSize];         ///< slot of the tree that holds a cluster
     std::uint32_t size = 0;              ///< number of clusters

@@ -196,8 +196,9 @@ Evidence handed_down(const Evidence& evidence, float share, float rays) noexcept
 float visible_factor(const Evidence& evidence) noexcept {
     // Rays that arrived, as a part of one, before the first was traced.
     constexpr float kPrior = 0.1f;
+    if (!(evidence.tries > 0.0f)) return 1.0f;
     const float visible = (evidence.hits + kPrior) / (evidence.tries + kPrior);
-    return std::clamp(std::sqrt(visible), kLeastVisible, 1.0f);
+    return std::clamp(std::sqrt(visible), kLeastVisible, kMostVisible);
 }
 
 void rebuild_cut(const LightBvh<MeansNode>& bvh, const LeafOrder& leaves, const CutPlace& place,

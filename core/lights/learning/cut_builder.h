@@ -39,12 +39,15 @@ struct CutEvidence {
 
 /// The factor by which a cluster's importance is multiplied, of V, the share of its shadow rays
 /// that arrive: a root, since what varies is squared (Rath et al. 2020, "Variance-aware path
-/// guiding": p in proportion to the root of the second moment).
+/// guiding": p in proportion to the root of the second moment). 1 before the first ray, and
+/// afterwards at most kMostVisible.
 float visible_factor(const Evidence& evidence) noexcept;
 
 /// The least that visible_factor() returns: no light's probability is below that times what it
 /// would be without learning.
 inline constexpr float kLeastVisible = 0.02f;
+/// Below 1, so that what has been seen is told from what has not been tried.
+inline constexpr float kMostVisible = 0x1.fffffep-1f;
 
 /// Makes the cut with the most detail where a place may be lit from and where it is not yet known
 /// what of a cluster it sees, and hands over what is known of the clusters of `cut` before.

@@ -64,6 +64,10 @@ class LearnedCells {
     /// The same; faster where the points of calls with one hint, kNone at first, are neighbours.
     std::uint32_t find(const float3& position, const float3& normal,
                        std::uint32_t& hint) const noexcept;
+    /// The cell that a point lies in: find() may give one that is near.
+    std::uint32_t cell_at(const float3& position, const float3& normal) const noexcept {
+        return tree_.find(lattice_.place(position, normal));
+    }
     const ClusterCut& cut(std::uint32_t cell) const noexcept { return cuts_[cell]; }
     std::uint32_t size() const noexcept { return tree_.size(); }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <memory>
 #include <string>
 #include <utility>
@@ -120,9 +121,27 @@ class LearnedPass final : public LightSelector, public SamplerInfo {
         return memory_size() - cells_->memory_size() + cells_->memory_limit();
     }
     std::size_t cell_count() const noexcept override { return cells_->size(); }
+    std::size_t cell_memory_size() const noexcept override { return cells_->memory_size(); }
+    std::uint32_t cell_of(const ShadingPoint& point) const noexcept override {
+        return cells_->cell_at(lights_->frame.position(point.position), point.normal);
+    }
+    float learned_visibility(const ShadingPoint& point,
+                             std::uint32_t light) const noexcept override {
+        constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
+        const std::uint32_t cell = cell_of(point);
+        const LightBvhSlot slot = lights_->bvh().slots[light];
+        if (cell == kNoCell || slot == LightBvh<MeansNode>::kNoSlot) return kUnknown;
+        const ClusterCut& cut = cells_->cut(cell);
+        const std::uint32_t place = cut.place_of_leaf(lights_->leaves.first(slot));
+        const float visible = cut.visible[place];
+        const bool tried = visible < 1.0f;
+        const bool may_light = cut_kernels().weight_of(cut, place, to_local(point)) > 0.0f;
+        return tried && may_light ? visible * visible : kUnknown;
+    }
 
   private:
     static constexpr std::size_t kBlock = 8192;
+    static_assert(kNoCell == LearnedCells::kNone);
     static constexpr std::uint32_t kIsCell = 0x80000000u;
 
     static bool is_cell(const Receipt& receipt) noexcept { return (receipt.key & kIsCell) != 0; }
@@ -313,6 +332,14 @@ class LearnedSampler final : public LightSampler, public SamplerInfo {
     std::size_t memory_size() const noexcept override { return current_->memory_size(); }
     std::size_t memory_limit() const noexcept override { return current_->memory_limit(); }
     std::size_t cell_count() const noexcept override { return cells_->size(); }
+    std::size_t cell_memory_size() const noexcept override { return cells_->memory_size(); }
+    std::uint32_t cell_of(const ShadingPoint& point) const noexcept override {
+        return current_->cell_of(point);
+    }
+    float learned_visibility(const ShadingPoint& point,
+                             std::uint32_t light) const noexcept override {
+        return current_->learned_visibility(point, light);
+    }
 
   private:
     static constexpr std::uint64_t kStateVersion = 0x31306c6c7563u;

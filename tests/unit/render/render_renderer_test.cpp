@@ -190,6 +190,39 @@ TEST_CASE("camera points are first hits with the normal towards the camera") {
     CHECK(high.x - low.x == doctest::Approx(4.2).scale(0.0).epsilon(0.2));
 }
 
+TEST_CASE("pixel points are what the middles of pixels show, and empty where that is nothing") {
+    auto scene = std::make_shared<Scene>();
+    scene->add_material(diffuse(0.5f));
+    Shape floor;
+    floor.add_level_square({0, 0, 0}, 1.0f, false);
+    scene->add_mesh(floor.mesh("part of what is seen", 0));
+    scene->set_camera(look({0, 5, 0}, {0, 0, 0}, 0.8f, {1, 0, 0}));
+    scene->commit();
+    RenderSettings settings;
+    settings.width = 40;
+    settings.height = 20;
+    const auto points = pixel_points(*scene, settings);
+    REQUIRE(points.size() == 800);
+    const float half = 5.0f * std::tan(0.4f);
+    int met = 0;
+    for (std::uint32_t y = 0; y < 20; ++y) {
+        for (std::uint32_t x = 0; x < 40; ++x) {
+            // Up in the image is +x, and right is +z.
+            const float up = half * (1.0f - (static_cast<float>(y) + 0.5f) / 10.0f);
+            const float right = 2.0f * half * ((static_cast<float>(x) + 0.5f) / 20.0f - 1.0f);
+            const auto& point = points[std::size_t{40} * y + x];
+            const bool hit = std::fabs(up) < 1.0f && std::fabs(right) < 1.0f;
+            REQUIRE(point.has_value() == hit);
+            if (!hit) continue;
+            ++met;
+            CHECK(point->position.x == doctest::Approx(up).epsilon(1e-4));
+            CHECK(point->position.z == doctest::Approx(right).epsilon(1e-4));
+            CHECK(point->normal.y == doctest::Approx(1.0));
+        }
+    }
+    CHECK(met > 10);
+}
+
 TEST_CASE("samples are finite and not negative, whatever the scene") {
     // The scene has mirrors, smooth normals that point anywhere, slivers, triangles without area,
     // lamps that lie in surfaces, and a sun.

@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -94,6 +95,11 @@ class LIGHTCULL_EXPORT Renderer {
 LIGHTCULL_EXPORT std::vector<ShadingPoint> camera_points(const Scene& scene,
                                                          const RenderSettings& settings,
                                                          std::uint32_t count);
+
+/// What the middle of each pixel shows: the first hits of camera rays, with the normal towards the
+/// camera. Row 0 at the top: height * width, of which those are empty whose rays leave the scene.
+LIGHTCULL_EXPORT std::vector<std::optional<ShadingPoint>> pixel_points(
+    const Scene& scene, const RenderSettings& settings);
 
 /// The points at which the renderer asks `sampler` for lights when paths are `depth` edges long, of
 /// one pass, in its order and with its sets. depth 1: what camera rays hit, a point per pixel at

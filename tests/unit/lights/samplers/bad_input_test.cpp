@@ -243,6 +243,7 @@ TEST_CASE("bad input: settings of renders that make no sense are named") {
         std::string message =
             error_of([&] { Renderer(scene, settings, make_sampler(UniformOptions{}, {})); });
         CHECK(error_of([&] { camera_points(*scene, settings, 1); }) == message);
+        CHECK(error_of([&] { pixel_points(*scene, settings); }) == message);
         CHECK(error_of([&] { path_points(*scene, settings, *sampler, 1); }) == message);
         CHECK(error_of([&] { make_scene_sampler("culled", *scene, settings); }) == message);
         return message;

@@ -1,6 +1,7 @@
 #include <lightcull/error.h>
 #include <lightcull/instruction_set.h>
 #include <lightcull/light_sampler.h>
+#include <lightcull/sampler_info.h>
 #include <lightcull/samplers.h>
 
 #include <doctest/doctest.h>
@@ -366,6 +367,89 @@ TEST_CASE("learned: instruction sets and threads change no bit of what is learne
             CHECK(sampler->learned() == wanted);
         }
     }
+}
+
+TEST_CASE("learned: a point's cell is one there is, and most often the one that serves it") {
+    const std::vector<Light> lights = lamps();
+    const std::vector<ShadingPoint> points = floor_points(2000);
+    const auto sampler = make_sampler("learned", lights);
+    const SamplerInfo& info = *sampler_info(*sampler);
+    CHECK(info.cell_of(points[0]) == SamplerInfo::kNoCell);
+    CHECK(info.cell_memory_size() < info.memory_size());
+    const std::size_t before = info.cell_memory_size();
+    teach(*sampler, lights, points, 0, 12);
+    CHECK(info.cell_memory_size() > before + 1000 * info.cell_count());
+    CHECK(info.cell_memory_size() < info.memory_size());
+    std::vector<std::uint32_t> cells;
+    std::size_t served = 0;
+    for (const ShadingPoint& point : points) {
+        const std::uint32_t cell = info.cell_of(point);
+        REQUIRE(cell < info.cell_count());
+        served += (sampler->select(point, 0.5f).receipt.key & 0x7fffffffu) == cell ? 1 : 0;
+        cells.push_back(cell);
+    }
+    // A place within half a cell of a point lies in the point's own at 9 of 16.
+    CHECK(served > points.size() / 2);
+    CHECK(served < points.size());
+    std::sort(cells.begin(), cells.end());
+    const auto different = std::unique(cells.begin(), cells.end()) - cells.begin();
+    CHECK(different > 10);
+    CHECK(different < 500);
+    ShadingPoint nowhere = points[0];
+    nowhere.position.y = 1000.0f;
+    CHECK(info.cell_of(nowhere) == SamplerInfo::kNoCell);
+    CHECK(sampler_info(*sampler->pass(12))->cell_of(points[0]) == info.cell_of(points[0]));
+    const auto culled = make_sampler("culled", lights);
+    CHECK(sampler_info(*culled)->cell_of(points[0]) == SamplerInfo::kNoCell);
+    CHECK(sampler_info(*culled)->cell_memory_size() == 0);
+}
+
+TEST_CASE("learned: the visibility of a light is the share of rays that arrived, within bounds") {
+    // Each light is a cluster of its own. Before the first ray a tenth of one has arrived.
+    enum : std::uint32_t { kSome, kNone, kAll, kNever, kBelow, kDark };
+    const std::vector<Light> lights = {
+        point_light({-1, 1, 0}, 1.0f), point_light({1, 1, 0}, 1.0f),
+        point_light({0, 1, 1}, 1.0f),  point_light({0, 2, 0}, 1.0f),
+        point_light({0, -1, 0}, 1.0f), point_light({0, 1, -1}, 0.0f)};
+    ShadingPoint point;
+    point.position = {0.1f, 0.0f, 0.1f};
+    point.normal = {0, 1, 0};
+    const auto sampler = make_sampler("learned", lights);
+    const SamplerInfo& info = *sampler_info(*sampler);
+    const auto report = [&](std::uint32_t light, int tries, int hits) {
+        const Receipt receipt = sampler->select(point, 0.5f).receipt;
+        for (int i = 0; i < tries; ++i) {
+            const LightOutcome outcome{point.position, point.normal, receipt, light,
+                                       i < hits ? 1.0f : 0.0f};
+            sampler->report({&outcome, 1});
+        }
+    };
+    sampler->begin_pass(0);
+    CHECK(std::isnan(info.learned_visibility(point, kSome)));
+    report(kSome, 1, 0);
+    sampler->begin_pass(1);
+    CHECK(std::isnan(info.learned_visibility(point, kSome)));
+    report(kSome, 10, 4);
+    report(kNone, 180, 0);
+    report(kAll, 9, 9);
+    report(kBelow, 1, 1);
+    sampler->begin_pass(2);
+    CHECK(info.learned_visibility(point, kSome) == doctest::Approx(4.1 / 10.1).epsilon(1e-6));
+    CHECK(info.learned_visibility(point, kNone) == doctest::Approx(0.1 / 180.1).epsilon(1e-6));
+    report(kNone, 180, 0);
+    sampler->begin_pass(3);
+    CHECK(info.learned_visibility(point, kNone) == doctest::Approx(0.02 * 0.02).epsilon(1e-6));
+    CHECK(info.learned_visibility(point, kAll) == doctest::Approx(1.0).epsilon(1e-6));
+    CHECK(std::isnan(info.learned_visibility(point, kNever)));
+    CHECK(std::isnan(info.learned_visibility(point, kBelow)));
+    CHECK(std::isnan(info.learned_visibility(point, kDark)));
+    CHECK(sampler_info(*sampler->pass(3))->learned_visibility(point, kSome) ==
+          info.learned_visibility(point, kSome));
+    ShadingPoint nowhere = point;
+    nowhere.position.y = -1000.0f;
+    CHECK(std::isnan(info.learned_visibility(nowhere, kSome)));
+    const auto culled = make_sampler("culled", lights);
+    CHECK(std::isnan(sampler_info(*culled)->learned_visibility(point, kSome)));
 }
 
 TEST_CASE(
