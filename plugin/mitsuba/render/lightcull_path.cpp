@@ -124,8 +124,6 @@ class LightcullPath final : public MonteCarloIntegrator<Float, Spectrum> {
             render_blocks(job);
         }
         if (should_stop()) reusable->sampler().drop_reports();
-        // What was learned stays with its render: an image depends on scene and seed alone.
-        if (!keep_learned_) reusable->forget();
         cache_.keep(std::move(reusable));
         TensorXf image = finish(sensor->film(), develop, evaluate);
         if (!m_stop) {
@@ -199,6 +197,8 @@ class LightcullPath final : public MonteCarloIntegrator<Float, Spectrum> {
         std::unique_ptr<ReusableSampler> reusable = cache_.take();
         if (reusable && reusable->is_made_from(input)) {
             Log(Info, "The light sampler of the last render serves again");
+            // What was learned stays with its render: an image depends on scene and seed alone.
+            if (!keep_learned_) reusable->forget();
             return reusable;
         }
         in_sampler_arena([&] { reusable = std::make_unique<ReusableSampler>(std::move(input)); });

@@ -457,7 +457,7 @@ TEST_CASE(
     // The mean over points of each pass, while learning goes on; 4 sigma of what passes differ by:
     // a false alarm in 16,000.
     const std::vector<Light> lights = lamps();
-    const std::vector<ShadingPoint> points = floor_points(60);
+    const std::vector<ShadingPoint> points = floor_points(16);
     std::vector<double> truths;
     for (const ShadingPoint& point : points) truths.push_back(truth(lights, point));
     constexpr int kRuns = 400;
