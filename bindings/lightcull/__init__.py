@@ -30,7 +30,14 @@ from .rendering.render import render
 from .rendering.result import RenderResult
 from .rendering.statistics import Stats
 from .report import Comparison
-from .sampler import LightSampler, LightSelector, point_lights, triangle_lights
+from .sampler import (
+    LightSampler,
+    LightSelector,
+    bounded_lights,
+    point_lights,
+    spot_lights,
+    triangle_lights,
+)
 from .scene import Scene
 
 __all__ = [
@@ -52,6 +59,7 @@ __all__ = [
     "UnsupportedWarning",
     "__version__",
     "apply_view",
+    "bounded_lights",
     "compare",
     "compare_methods",
     "example_scene",
@@ -60,6 +68,7 @@ __all__ = [
     "point_lights",
     "read_image",
     "render",
+    "spot_lights",
     "triangle_lights",
     "view_names",
     "write_exr",

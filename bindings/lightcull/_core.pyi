@@ -37,6 +37,22 @@ def triangle_lights(
     corners: np.ndarray, radiance: np.ndarray, two_sided: bool = False
 ) -> np.ndarray: ...
 def point_lights(positions: np.ndarray, intensity: np.ndarray) -> np.ndarray: ...
+def spot_lights(
+    positions: np.ndarray,
+    directions: np.ndarray,
+    intensity: np.ndarray,
+    inner: np.ndarray,
+    outer: np.ndarray,
+) -> np.ndarray: ...
+def bounded_lights(
+    box_min: np.ndarray,
+    box_max: np.ndarray,
+    axes: np.ndarray,
+    cos_theta_o: np.ndarray,
+    cos_theta_e: np.ndarray,
+    power: np.ndarray,
+    two_sided: bool = False,
+) -> np.ndarray: ...
 
 class SceneMemory:
     """Bytes."""

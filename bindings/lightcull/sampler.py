@@ -235,6 +235,43 @@ def point_lights(positions: np.ndarray, intensity: np.ndarray) -> np.ndarray:
     return _core.point_lights(positions, intensity)
 
 
+def spot_lights(
+    positions: np.ndarray,
+    directions: np.ndarray,
+    intensity: np.ndarray,
+    inner: np.ndarray,
+    outer: np.ndarray,
+) -> np.ndarray:
+    """Lights for spots, (N,) of dtype `lightcull.LIGHT`.
+
+    positions: float32 (N, 3), metres. directions: float32 (N, 3), any length but 0. intensity:
+    float32 (N,), luminance, W/sr, up to the angle `inner` from the direction; then it falls to
+    nothing at `outer`. inner, outer: float32 (N,), radians, 0 <= inner <= outer <= pi.
+    """
+    return _core.spot_lights(positions, directions, intensity, inner, outer)
+
+
+def bounded_lights(
+    box_min: np.ndarray,
+    box_max: np.ndarray,
+    axes: np.ndarray,
+    cos_theta_o: np.ndarray,
+    cos_theta_e: np.ndarray,
+    power: np.ndarray,
+    two_sided: bool = False,
+) -> np.ndarray:
+    """Lights of which only bounds are known, (N,) of dtype `lightcull.LIGHT`: for emitters of any
+    kind.
+
+    box_min, box_max: float32 (N, 3), metres. axes: float32 (N, 3), unit length. Normals are within
+    theta_o of the axis, and light leaves within theta_e of them: float32 (N,), as cosines. power:
+    float32 (N,), luminance, W. two_sided: they emit from the back too.
+    """
+    return _core.bounded_lights(
+        box_min, box_max, axes, cos_theta_o, cos_theta_e, power, bool(two_sided)
+    )
+
+
 def check_description(description: str) -> None:
     """Throws `lightcull.Error` unless it describes a sampler, with what there is."""
     _core.check_sampler(checks.text("sampler", description))

@@ -303,6 +303,39 @@ py::object point_lights(const py::object& positions, const py::object& intensity
     return lights;
 }
 
+py::object spot_lights(const py::object& positions, const py::object& directions,
+                       const py::object& intensity, const py::object& inner,
+                       const py::object& outer) {
+    const Rows<float3> places(positions, "positions");
+    const Rows<float3> axes(directions, "directions", places.size());
+    const Rows<float> values(intensity, "intensity", places.size());
+    const Rows<float> inners(inner, "inner", places.size());
+    const Rows<float> outers(outer, "outer", places.size());
+    py::object lights = new_array(py::make_tuple(places.size()), light_dtype());
+    const Span<Light> result = elements<Light>(lights);
+    for (std::size_t i = 0; i < result.size(); ++i)
+        result[i] = spot_light(places.span()[i], axes.span()[i], values.span()[i], inners.span()[i],
+                               outers.span()[i]);
+    return lights;
+}
+
+py::object bounded_lights(const py::object& box_min, const py::object& box_max,
+                          const py::object& axes, const py::object& cos_theta_o,
+                          const py::object& cos_theta_e, const py::object& power, bool two_sided) {
+    const Rows<float3> low(box_min, "box_min");
+    const Rows<float3> high(box_max, "box_max", low.size());
+    const Rows<float3> axis(axes, "axes", low.size());
+    const Rows<float> normals(cos_theta_o, "cos_theta_o", low.size());
+    const Rows<float> spread(cos_theta_e, "cos_theta_e", low.size());
+    const Rows<float> values(power, "power", low.size());
+    py::object lights = new_array(py::make_tuple(low.size()), light_dtype());
+    const Span<Light> result = elements<Light>(lights);
+    for (std::size_t i = 0; i < result.size(); ++i)
+        result[i] = bounded_light(low.span()[i], high.span()[i], axis.span()[i], normals.span()[i],
+                                  spread.span()[i], two_sided, values.span()[i]);
+    return lights;
+}
+
 std::unique_ptr<SharedSampler> sampler_of_lights(const py::object& lights,
                                                  const std::string& description,
                                                  const py::object& positions,
@@ -333,6 +366,11 @@ void bind_sampler(py::module_& module) {
     module.def("triangle_lights", &triangle_lights, py::arg("corners"), py::arg("radiance"),
                py::arg("two_sided") = false);
     module.def("point_lights", &point_lights, py::arg("positions"), py::arg("intensity"));
+    module.def("spot_lights", &spot_lights, py::arg("positions"), py::arg("directions"),
+               py::arg("intensity"), py::arg("inner"), py::arg("outer"));
+    module.def("bounded_lights", &bounded_lights, py::arg("box_min"), py::arg("box_max"),
+               py::arg("axes"), py::arg("cos_theta_o"), py::arg("cos_theta_e"), py::arg("power"),
+               py::arg("two_sided") = false);
     module.def("sampler_of_lights", &sampler_of_lights);
     module.def("sampler_of_scene", &sampler_of_scene);
     module.def("check_sampler", [](const std::string& description) { parse_sampler(description); });

@@ -1,15 +1,55 @@
 #include "render/emitter.h"
 
 #include "render/scene_data.h"
+#include "render/spherical_triangle.h"
 #include "render/texture.h"
 #include "render/warp.h"
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <variant>
 
 namespace lightcull {
 namespace {
+
+/// Density per solid angle of a place that is uniform by area.
+float pdf_by_area(const TriangleEmitter& emitter, const V3f& to_place) noexcept {
+    // |normal| is twice the area, so that distance^2 / (cosine * area) becomes this. No third power
+    // of a length is formed, which floats could not hold.
+    const V3f normal = emitter.edge1.cross(emitter.edge2);
+    const float distance2 = to_place.dot(to_place);
+    const float projected = 0.5f * std::fabs(normal.dot(to_place / std::sqrt(distance2)));
+    const float pdf = distance2 / projected;
+    return std::isfinite(pdf) ? pdf : 0.0f;
+}
+
+/// The triangle as it is seen from a point that is near enough for places uniform by area to be
+/// noisy: nearer than three times its size. Nothing where it is seen edge-on.
+std::optional<SphericalTriangle> as_seen_from_near(const TriangleEmitter& emitter,
+                                                   const V3f& from) noexcept {
+    constexpr float kNear = 3.0f;
+    const V3f a = emitter.corner - from;
+    const V3f& e1 = emitter.edge1;
+    const V3f& e2 = emitter.edge2;
+    const float size2 = std::max(e1.dot(e1), e2.dot(e2));
+    if (a.dot(a) > (kNear + 1.0f) * (kNear + 1.0f) * size2) return std::nullopt;
+    constexpr double kLeast = 1e-6;
+    const V3d corner(a);
+    const SphericalTriangle seen(corner, corner + V3d(e1), corner + V3d(e2));
+    if (!(seen.solid_angle() > kLeast)) return std::nullopt;
+    return seen;
+}
+
+/// The barycentric coordinates of the place where a direction from a point meets the triangle.
+V2f hit_by(const TriangleEmitter& emitter, const V3f& from, const V3d& direction) noexcept {
+    const V3d e1(emitter.edge1), e2(emitter.edge2), away = V3d(from) - V3d(emitter.corner);
+    const V3d across = direction.cross(e2), around = away.cross(e1);
+    const double scale = 1.0 / e1.dot(across);
+    const double x = std::clamp(away.dot(across) * scale, 0.0, 1.0);
+    const double y = std::clamp(direction.dot(around) * scale, 0.0, 1.0 - x);
+    return {static_cast<float>(x), static_cast<float>(y)};
+}
 
 struct Sampler {
     const SceneData& scene;
@@ -17,12 +57,14 @@ struct Sampler {
     V2f u;
 
     EmitterSample operator()(const TriangleEmitter& emitter) const noexcept {
-        const V2f b = uniform_triangle(u);
+        const auto seen = as_seen_from_near(emitter, from);
+        const V2f b = seen ? hit_by(emitter, from, seen->sample(u)) : uniform_triangle(u);
         const V3f place = emitter.corner + emitter.edge1 * b.x + emitter.edge2 * b.y;
         const V3f to_place = place - from;
         const float distance2 = to_place.dot(to_place);
         if (!(distance2 > 0.0f)) return {};
-        const float pdf = triangle_pdf(emitter, to_place);
+        const float pdf =
+            seen ? static_cast<float>(1.0 / seen->solid_angle()) : pdf_by_area(emitter, to_place);
         if (!(pdf > 0.0f)) return {};
         const V3f direction = to_place / std::sqrt(distance2);
         const V3f radiance = emitted(scene, emitter, b.x, b.y, -direction);
@@ -77,14 +119,9 @@ float spot_falloff(const SpotEmitter& emitter, float versine) noexcept {
     return ramp * ramp;
 }
 
-float triangle_pdf(const TriangleEmitter& emitter, const V3f& to_place) noexcept {
-    // |normal| is twice the area, so that distance^2 / (cosine * area) becomes this. No third power
-    // of a length is formed, which floats could not hold.
-    const V3f normal = emitter.edge1.cross(emitter.edge2);
-    const float distance2 = to_place.dot(to_place);
-    const float projected = 0.5f * std::fabs(normal.dot(to_place / std::sqrt(distance2)));
-    const float pdf = distance2 / projected;
-    return std::isfinite(pdf) ? pdf : 0.0f;
+float triangle_pdf(const TriangleEmitter& emitter, const V3f& from, const V3f& to_place) noexcept {
+    const auto seen = as_seen_from_near(emitter, from);
+    return seen ? static_cast<float>(1.0 / seen->solid_angle()) : pdf_by_area(emitter, to_place);
 }
 
 V3f emitted(const SceneData& scene, const TriangleEmitter& emitter, float u, float v,

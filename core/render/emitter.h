@@ -65,7 +65,8 @@ struct EmitterSample {
     std::uint32_t triangle = kNoHit;  ///< the triangle on which the place lies, if any
 };
 
-/// Chooses a place on the emitter, uniform by area, and looks at it from a point.
+/// Chooses a place on the emitter and looks at it from a point. On a triangle it is uniform by
+/// solid angle where the point is near it, else by area.
 EmitterSample sample_emitter(const SceneData& scene, const Emitter& emitter, const V3f& from,
                              const V2f& u) noexcept;
 
@@ -75,7 +76,8 @@ LIGHTCULL_CORE_EXPORT float spot_falloff(const SpotEmitter& emitter, float versi
 
 /// Density per solid angle, seen from a point, of a place on the triangle that sample_emitter()
 /// would have chosen: `to_place` leads from the point to it. 0 in the triangle's plane.
-float triangle_pdf(const TriangleEmitter& emitter, const V3f& to_place) noexcept;
+LIGHTCULL_CORE_EXPORT float triangle_pdf(const TriangleEmitter& emitter, const V3f& from,
+                                         const V3f& to_place) noexcept;
 
 /// The radiance that the triangle emits at (u, v) into `direction`, which leaves it.
 LIGHTCULL_CORE_EXPORT V3f emitted(const SceneData& scene, const TriangleEmitter& emitter, float u,

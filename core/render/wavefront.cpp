@@ -100,8 +100,9 @@ V3f Wavefront::emitted_by(std::uint32_t light, const Path& path, const Ray& ray,
     if (radiance == V3f(0.0f)) return radiance;
     float pdf = 0.0f;
     if (depth_ > 1 && pass_->settings.direct_light == DirectLight::kMis) {
-        const V3f to_hit = hit_position(pass_->scene, hit) - to_v3f(path.point.position);
-        pdf = pass_->sampler.prob(path.point, path.receipt, light) * triangle_pdf(emitter, to_hit);
+        const V3f from = to_v3f(path.point.position);
+        pdf = pass_->sampler.prob(path.point, path.receipt, light) *
+              triangle_pdf(emitter, from, hit_position(pass_->scene, hit) - from);
     }
     return radiance * hit_weight(path, pdf);
 }

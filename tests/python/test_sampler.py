@@ -48,6 +48,24 @@ def test_lights_of_triangles_and_points() -> None:
         lightcull.triangle_lights(corners, None)
 
 
+def test_lights_of_spots_and_bounds() -> None:
+    one, z = np.ones(1, np.float32), np.float32([[0, 0, 2]])
+    inner, outer = np.float32([0.2]), np.float32([0.5])
+    (spot,) = lightcull.spot_lights(z, -z, 3 * one, inner, outer)
+    assert spot["intensity"] == 3
+    assert spot["cos_theta_e"] == pytest.approx(np.cos(0.5))
+    np.testing.assert_allclose(spot["axis"], [0, 0, -1], atol=1e-6)
+    (sphere,) = lightcull.bounded_lights(-z, z, z / 2, -one, 0 * one, one)
+    assert sphere["radius"] == pytest.approx(2)
+    assert sphere["cos_theta_o"] == -1
+    assert not sphere["two_sided"]
+    scene = lightcull.Scene()
+    scene.add_spot_light((0, 0, 2), (0, 0, -1), (3, 3, 3), 0.2, 0.5)
+    assert scene.lights()[0] == spot
+    with pytest.raises(TypeError, match=r"outer: wanted .*\(1,\)"):
+        lightcull.spot_lights(z, -z, one, inner, None)
+
+
 @pytest.mark.parametrize("name", UNBIASED)
 def test_prob_is_that_of_the_selection(name: str) -> None:
     sampler = lightcull.LightSampler(LIGHTS, name)

@@ -40,7 +40,7 @@ LearnedCells::LearnedCells(const LearningLimits& limits)
     : limits_(limits),
       lattice_(kFirstSize),
       fresh_(nullptr),
-      new_cells_(std::make_unique<NewCells>()) {
+      new_cells_(limits.rounds > 0 ? std::make_unique<NewCells>() : nullptr) {
 }
 
 LearnedCells::LearnedCells(const LearnedCells& other)

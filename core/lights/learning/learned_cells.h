@@ -37,7 +37,7 @@ struct LearnedLights {
 /// Bounds on learning.
 struct LearningLimits {
     std::size_t memory;    ///< most bytes of all cells
-    std::uint32_t rounds;  ///< number of rounds after which nothing changes any more
+    std::uint32_t rounds;  ///< number of rounds after which nothing changes any more; 0: none do
 };
 
 /// The cells of space, each with its cut and what was learned of it. Reports are collected from any

@@ -83,7 +83,9 @@ LightRecord to_record(const Light& light, const Frame& frame) noexcept {
     LightRecord record{};
     record.center = frame.position(light.center);
     record.radius = light.radius * frame.inv_scale;
-    record.intensity = light.intensity / frame.intensity;
+    // A far sun may be brighter than all lamps by more than floats hold.
+    constexpr float kMost = 1e30f;
+    record.intensity = std::min(light.intensity / frame.intensity, kMost);
     record.two_sided = light.two_sided ? 1 : 0;
     if (light.cos_theta_o > -1.0f || light.lobe_alpha > 0.0f) {
         const float3 axis = light.axis * (1.0f / length(light.axis));
@@ -94,26 +96,6 @@ LightRecord to_record(const Light& light, const Frame& frame) noexcept {
     record.half_sine_o = half_sine_o(light);
     record.sin_theta_e = sin_theta_e(light);
     return record;
-}
-
-Frame make_frame(Span<const Light> lights) noexcept {
-    constexpr float kHuge = 3e38f;
-    float3 low{kHuge, kHuge, kHuge}, high{-kHuge, -kHuge, -kHuge};
-    float brightest = 0.0f;
-    for (const Light& light : lights) {
-        if (!(light.intensity > 0.0f)) continue;
-        const float3 r{light.radius, light.radius, light.radius};
-        low = min(low, light.center - r);
-        high = max(high, light.center + r);
-        brightest = std::max(brightest, light.intensity);
-    }
-    if (brightest == 0.0f) return {};
-    const float3 half = (high * 0.5f) - (low * 0.5f);
-    const float extent = std::max({half.x, half.y, half.z});
-    // In units of less than this the squared distance of a point that is not near overflows.
-    constexpr float kLeastUnit = 1e-12f;
-    const float unit = extent > 0.0f ? std::max(extent, kLeastUnit) : 1.0f;
-    return {low * 0.5f + high * 0.5f, 1.0f / unit, brightest};
 }
 
 }  // namespace
@@ -147,16 +129,6 @@ LightTable make_updated_light_table(Span<const Light> lights, std::size_t count)
                     " lights, and the sampler was made over " + std::to_string(count));
     }
     return make_light_table(lights);
-}
-
-float reach_in(const Frame& frame, float reach, const Frame& of_reach) noexcept {
-    const auto scale =
-        static_cast<double>(frame.inv_scale) / static_cast<double>(of_reach.inv_scale);
-    const double brightness =
-        static_cast<double>(frame.intensity) / static_cast<double>(of_reach.intensity);
-    constexpr double kLeast = 1e-30, kGreatest = 1e18;  // the bounds of calibrate_reach()
-    return static_cast<float>(
-        std::clamp(static_cast<double>(reach) * scale * scale * brightness, kLeast, kGreatest));
 }
 
 }  // namespace lightcull

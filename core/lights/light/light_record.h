@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/float3_math.h"
+#include "lights/light/frame.h"
 
 namespace lightcull {
 
@@ -16,7 +17,7 @@ namespace lightcull {
 struct LightRecord {
     float3 center;
     float radius;
-    float intensity;       ///< intensity; 1 for the brightest light of the table
+    float intensity;       ///< intensity, in units of Frame::intensity
     std::int16_t axis[3];  ///< axis, in parts of kSnorm
     /// The sine of half of theta_o, in parts of kSnorm, rounded to a wider cone: unlike a cosine it
     /// tells narrow cones apart. kFlat: flat.
@@ -39,16 +40,6 @@ static_assert(offsetof(LightRecord, radius) == 12 && offsetof(LightRecord, inten
 static_assert(offsetof(LightRecord, axis) == 20 && offsetof(LightRecord, half_sine_o) == 26);
 static_assert(offsetof(LightRecord, sin_theta_e) == 28 && offsetof(LightRecord, two_sided) == 30);
 
-/// A transform from the caller's metres to the units of a table, in which the lights' bounds lie in
-/// about [-1, 1]: no digits are lost to a far origin, and no power of a length overflows.
-struct Frame {
-    float3 origin{0, 0, 0};  ///< origin of the table's units, metres
-    float inv_scale = 1.0f;  ///< 1 / metres
-    float intensity = 1.0f;  ///< intensity of the brightest light, W/sr
-
-    float3 position(float3 x) const noexcept { return (x - origin) * inv_scale; }
-};
-
 /// A checked copy of a caller's lights; index i is the caller's index.
 struct LightTable {
     Frame frame;
@@ -63,8 +54,5 @@ LightTable make_light_table(Span<const Light> lights);
 /// Makes a table of lights that take the place of `count` others. Throws Error as
 /// make_light_table() does, and for another number.
 LightTable make_updated_light_table(Span<const Light> lights, std::size_t count);
-
-/// The `reach` (RandomRanges) of one frame in the units of another: ranges stay as long in metres.
-float reach_in(const Frame& frame, float reach, const Frame& of_reach) noexcept;
 
 }  // namespace lightcull

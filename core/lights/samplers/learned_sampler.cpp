@@ -47,6 +47,7 @@ class LearnedPass final : public LightSelector, public SamplerInfo {
 
     void select(Span<const ShadingPoint> points, Span<const float> u,
                 Span<Selection> selections) const override try {
+        if (cells_->size() == 0) return fallback_->select(points, u, selections);
         std::vector<std::uint64_t> keys(points.size()), scratch(points.size());
         const auto elsewhere = cells_->size();
         for_each_block(points.size(), kBlock, [&](std::size_t begin, std::size_t end) {
@@ -251,7 +252,7 @@ class LearnedSampler final : public LightSampler, public SamplerInfo {
         : culled_(std::move(culled)),
           limits_(limits),
           lights_(std::make_shared<const LearnedLights>(culled_->scene().frame, culled_->groups())),
-          cells_(std::make_shared<LearnedCells>(limits)) {
+          cells_(no_cells()) {
         renew();
     }
 
@@ -271,8 +272,7 @@ class LearnedSampler final : public LightSampler, public SamplerInfo {
         const LightUpdate result = culled_->update(lights, max_growth);
         lights_ = std::make_shared<const LearnedLights>(culled_->scene().frame, culled_->groups());
         current_.reset();
-        cells_ = result.rebuilt ? std::make_shared<LearnedCells>(limits_)
-                                : std::make_shared<LearnedCells>(*cells_);
+        cells_ = result.rebuilt ? no_cells() : std::make_shared<LearnedCells>(*cells_);
         cells_->refresh(*lights_);
         renew();
         return result;
@@ -344,6 +344,13 @@ class LearnedSampler final : public LightSampler, public SamplerInfo {
   private:
     static constexpr std::uint64_t kStateVersion = 0x31306c6c7563u;
 
+    std::shared_ptr<LearnedCells> no_cells() const {
+        // Among so few there is less to gain by learning than it costs.
+        constexpr std::uint32_t kFew = 4;
+        LearningLimits limits = limits_;
+        if (lights_->leaves.size() <= kFew) limits.rounds = 0;
+        return std::make_shared<LearnedCells>(limits);
+    }
     void renew() { current_ = std::make_unique<LearnedPass>(culled_, lights_, cells_); }
 
     std::shared_ptr<CulledSamplerBase> culled_;

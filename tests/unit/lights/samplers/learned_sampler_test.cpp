@@ -198,6 +198,26 @@ TEST_CASE("learned: probabilities of a receipt are those of select, and sum to 1
     CHECK(taught > 90);
 }
 
+TEST_CASE("learned asks for no reports where there are four lights, and is culled") {
+    for (const std::size_t count : {std::size_t{0}, std::size_t{4}, std::size_t{5}}) {
+        std::vector<Light> lights = lamps();
+        lights.resize(count);
+        lights.push_back(point_light({1, 1, 1}, 0.0f));
+        const auto sampler = make_sampler("learned", lights),
+                   culled = make_sampler("culled", lights);
+        CHECK(sampler->wants_reports() == (count > 4));
+        const std::vector<ShadingPoint> points = floor_points(1000);
+        teach(*sampler, lights, points, 0, 3);
+        culled->begin_pass(3);
+        CHECK((sampler_info(*sampler)->cell_count() == 0) == (count <= 4));
+        CHECK(select_alike(*sampler, *culled, points) == (count <= 4));
+        const std::vector<std::uint8_t> saved = sampler->learned();
+        sampler->restore_learned(saved);
+        CHECK(sampler->learned() == saved);
+        CHECK(sampler->wants_reports() == (count > 4));
+    }
+}
+
 TEST_CASE("learned: where there are few lights, each is weighed as exhaustive weighs it") {
     std::vector<Light> lights = lamps();
     lights.resize(100);

@@ -1,0 +1,110 @@
+#include "lights/light/frame.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+
+namespace lightcull {
+namespace {
+
+bool is_lit(const Light& light) noexcept {
+    return light.intensity > 0.0f;
+}
+
+float largest(float3 a) noexcept {
+    return std::max({std::abs(a.x), std::abs(a.y), std::abs(a.z)});
+}
+
+/// The lit light nearest to the caller's origin; null if none is lit.
+const Light* nearest_to_origin(Span<const Light> lights) noexcept {
+    const Light* nearest = nullptr;
+    for (const Light& light : lights) {
+        if (!is_lit(light)) continue;
+        if (nearest == nullptr || largest(light.center) < largest(nearest->center)) {
+            nearest = &light;
+        }
+    }
+    return nearest;
+}
+
+/// Half the distance from a place to the far side of a light, by its largest coordinate.
+float half_distance(const Light& light, float3 from) noexcept {
+    return largest(light.center * 0.5f - from * 0.5f) + light.radius * 0.5f;
+}
+
+/// The half_distance() from which on lights are 2^gap times as far as all nearer ones; infinite if
+/// none are.
+float far_begins(Span<const Light> lights, float3 from, int gap) noexcept {
+    constexpr int kLeast = -150, kMost = 128;  // exponents of floats
+    // In metres: what a single light of no size lights is nearer than that.
+    constexpr int kMostOfPoint = 16;
+    std::array<bool, kMost - kLeast + 1> is_there{};
+    bool is_point = false;
+    for (const Light& light : lights) {
+        if (!is_lit(light)) continue;
+        const float distance = half_distance(light, from);
+        is_point |= distance == 0.0f;
+        if (distance > 0.0f)
+            is_there[static_cast<std::size_t>(std::ilogb(distance) - kLeast)] = true;
+    }
+    int last = is_point ? kMostOfPoint - gap : kMost;
+    for (int exponent = kLeast; exponent <= kMost; ++exponent) {
+        if (!is_there[static_cast<std::size_t>(exponent - kLeast)]) continue;
+        if (exponent > last + gap) return std::ldexp(1.0f, exponent);
+        last = exponent;
+    }
+    return std::numeric_limits<float>::infinity();
+}
+
+struct Bounds {
+    float3 low, high;
+    float brightest = 0.0f;  ///< intensity
+
+    float3 center() const noexcept { return low * 0.5f + high * 0.5f; }
+    float extent() const noexcept { return largest(high * 0.5f - low * 0.5f); }
+};
+
+/// The bounds of the lit lights that are not 2^gap times as far from a place as all nearer ones.
+Bounds bounds_of_near(Span<const Light> lights, float3 from, int gap) noexcept {
+    const float far = far_begins(lights, from, gap);
+    Bounds bounds{from, from};
+    for (const Light& light : lights) {
+        if (!is_lit(light) || !(half_distance(light, from) < far)) continue;
+        const float3 r{light.radius, light.radius, light.radius};
+        bounds.low = min(bounds.low, light.center - r);
+        bounds.high = max(bounds.high, light.center + r);
+        bounds.brightest = std::max(bounds.brightest, light.intensity);
+    }
+    return bounds;
+}
+
+}  // namespace
+
+Frame make_frame(Span<const Light> lights) noexcept {
+    // Floats are fine enough about an origin in the midst of lights within 2^8 of one another's
+    // distances, and their squares hold what is within 2^20.
+    constexpr int kOfOrigin = 8, kOfUnit = 20;
+    const Light* const first = nearest_to_origin(lights);
+    if (first == nullptr) return {};
+    const Bounds bounds = bounds_of_near(lights, first->center, kOfUnit);
+    const float extent = bounds.extent();
+    // In units of less than this the squared distance of a point that is not near overflows.
+    constexpr float kLeastUnit = 1e-12f;
+    const float unit = extent > 0.0f ? std::max(extent, kLeastUnit) : 1.0f;
+    return {bounds_of_near(lights, first->center, kOfOrigin).center(), 1.0f / unit,
+            bounds.brightest};
+}
+
+float reach_in(const Frame& frame, float reach, const Frame& of_reach) noexcept {
+    const auto scale =
+        static_cast<double>(frame.inv_scale) / static_cast<double>(of_reach.inv_scale);
+    const double brightness =
+        static_cast<double>(frame.intensity) / static_cast<double>(of_reach.intensity);
+    constexpr double kLeast = 1e-30, kGreatest = 1e18;  // the bounds of calibrate_reach()
+    return static_cast<float>(
+        std::clamp(static_cast<double>(reach) * scale * scale * brightness, kLeast, kGreatest));
+}
+
+}  // namespace lightcull
