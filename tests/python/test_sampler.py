@@ -53,7 +53,7 @@ def test_lights_of_spots_and_bounds() -> None:
     inner, outer = np.float32([0.2]), np.float32([0.5])
     (spot,) = lightcull.spot_lights(z, -z, 3 * one, inner, outer)
     assert spot["intensity"] == 3
-    assert spot["cos_theta_e"] == pytest.approx(np.cos(0.5))
+    assert spot["cos_theta_e"] == pytest.approx(np.cos(0.3))
     np.testing.assert_allclose(spot["axis"], [0, 0, -1], atol=1e-6)
     (sphere,) = lightcull.bounded_lights(-z, z, z / 2, -one, 0 * one, one)
     assert sphere["radius"] == pytest.approx(2)

@@ -91,7 +91,8 @@ inline constexpr std::uint32_t kMaxSetCount = 4096;
 /// (LightSelector::report). Space is divided into cells; each weighs up to 128 clusters of lights,
 /// the more of them where it may be lit from, by importance and by the root of the share of shadow
 /// rays to them that arrived. Where no cell has been made, for a host that never reports, and where
-/// there are no more than four lights, it is `culled`. Passes are independent of one another once
+/// there are no more than four lights, or narrow spots give a quarter of all intensity, it is
+/// `culled`. Passes are independent of one another once
 /// learning has come to rest. Glossy points must not be among the lights.
 struct LearnedOptions {
     std::uint32_t rounds = 96;  ///< passes begun after reports, until learning comes to rest; > 0

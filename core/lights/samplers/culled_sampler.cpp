@@ -18,6 +18,7 @@
 #include "lights/glossy/directed_culled_sampler.h"
 #include "lights/groups/group_calibration.h"
 #include "lights/groups/group_kernels.h"
+#include "lights/groups/narrow_cones.h"
 #include "lights/ranges/set_count.h"
 #include "lights/samplers/culled_scene.h"
 #include "lights/samplers/make_samplers.h"
@@ -317,8 +318,12 @@ std::unique_ptr<LightSampler> make_culled_sampler(const CulledOptions& options,
         return make_directed_culled_sampler(table, reach,
                                             options.set_count.value_or(kSetsOfGlossy));
     }
-    const std::uint32_t group_size =
-        options.group_size.value_or(suitable_group_size(table.lit.size()));
+    // Such cones are weighed one by one, found by trial on stages of spots.
+    constexpr float kNarrow = 1.05f;
+    constexpr double kMany = 0.25;
+    const std::uint32_t suitable_size =
+        share_of_narrow_cones(lights, kNarrow) > kMany ? 1 : suitable_group_size(table.lit.size());
+    const std::uint32_t group_size = options.group_size.value_or(suitable_size);
     LightGroups groups = make_light_groups(table, group_size);
     const float reach = calibrate_reach(ranged_scene(groups, table.frame), options.range,
                                         context.calibration_points, RangeLaw::kRandom);

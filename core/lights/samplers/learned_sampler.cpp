@@ -14,6 +14,7 @@
 #include "base/radix_sort.h"
 #include "base/refine.h"
 #include "lights/bvh/light_bvh_kernels.h"
+#include "lights/groups/narrow_cones.h"
 #include "lights/learning/cut_kernels.h"
 #include "lights/learning/learned_cells.h"
 #include "lights/samplers/culled_scene.h"
@@ -371,8 +372,13 @@ std::unique_ptr<LightSampler> make_learned_sampler(const LearnedOptions& options
     if (base == nullptr) {
         throw Error("learned: glossy points are among the lights, for which there is culled");
     }
+    // Clusters of narrow cones say less of a place than what may be learned about them.
+    constexpr float kNarrow = 0.45f;
+    constexpr double kMany = 0.25;
+    const std::uint32_t rounds =
+        share_of_narrow_cones(lights, kNarrow) > kMany ? 0 : options.rounds;
     return std::make_unique<LearnedSampler>(
-        std::move(base), LearningLimits{std::size_t{options.memory_mib} << 20, options.rounds});
+        std::move(base), LearningLimits{std::size_t{options.memory_mib} << 20, rounds});
 }
 
 }  // namespace lightcull
