@@ -26,11 +26,13 @@ constexpr std::size_t kPacket = 16;
 /// lengths are right: it takes triangles of less than some 1e-18 square metres for points, and
 /// misses those whose third powers of edges floats do not hold. 1 for all but the oddest scenes.
 float scale_for_embree(float reach) noexcept {
-    constexpr float kLeast = 0x1p-10f, kMost = 0x1p30f;
+    constexpr float kLeast = 0x1p-10f, kMost = 0x1p36f;
     if (!(reach > 0.0f) || (reach >= kLeast && reach <= kMost)) return 1.0f;
     // Embree takes no numbers above 1e18; a host's points may be far beyond the scene.
     constexpr int kMostExponent = 40;
-    return std::ldexp(1.0f, std::min(-std::ilogb(reach), kMostExponent));
+    // Large scenes shrink no more than they must: in one with a sun, a floor is of metres.
+    const int wanted = reach > kMost ? std::ilogb(kMost) : 0;
+    return std::ldexp(1.0f, std::min(wanted - std::ilogb(reach), kMostExponent));
 }
 
 /// The part of the way to their end that shadow rays are traced. It spares most of them a hit of

@@ -19,16 +19,35 @@ V3d largest(const V3f& a, const V3f& b, const V3f& c) noexcept {
                std::max({std::fabs(a.z), std::fabs(b.z), std::fabs(c.z)}));
 }
 
+struct Corners {
+    const V3f &a, &b, &c;
+};
+Corners corners_of(const Triangles& triangles, std::uint32_t triangle) noexcept {
+    const std::uint32_t* const corners = triangles.indices + std::size_t{triangle} * 3;
+    return {triangles.positions[corners[0]], triangles.positions[corners[1]],
+            triangles.positions[corners[2]]};
+}
+
+/// By how much rounding has moved the end of a ray. The way is rounded once, and a place on a
+/// triangle twice before, by the two sums that make it of a corner and edges.
+V3d rounding_of_end(const Triangles& triangles, const Ray& ray, const V3d& way) noexcept {
+    constexpr double kUnit = 0x1p-24;
+    V3d place = abs(V3d(ray.origin) + way);
+    if (ray.end_triangle != kNoHit) {
+        const Corners end = corners_of(triangles, ray.end_triangle);
+        place = largest(end.a, end.b, end.c);
+    }
+    return place * (2.0 * kUnit) + abs(way) * kUnit;
+}
+
 /// Whether the plane of a triangle parts the ends of a ray, in double precision.
-bool parts_ends(const V3f& a, const V3f& b, const V3f& c, const Ray& ray) noexcept {
+bool parts_ends(const Triangles& triangles, std::uint32_t triangle, const Ray& ray) noexcept {
+    const auto [a, b, c] = corners_of(triangles, triangle);
     const V3d corner(a), normal = (V3d(b) - corner).cross(V3d(c) - corner);
     const V3d way = V3d(ray.direction) * static_cast<double>(ray.end);
     const double start = normal.dot(V3d(ray.origin) - corner);
     const double end = start + normal.dot(way);
-    // The way is rounded once, and the place that it leads to twice before, by the two sums that
-    // make it of a corner and edges.
-    constexpr double kUnit = 0x1p-24;
-    const V3d rounding = largest(a, b, c) * (2.0 * kUnit) + abs(way) * kUnit;
+    const V3d rounding = rounding_of_end(triangles, ray, way);
     return (start > 0.0) != (end > 0.0) && std::fabs(end) > abs(normal).dot(rounding);
 }
 
@@ -42,9 +61,7 @@ bool hides_end(const Triangles& triangles, std::uint32_t triangle, float distanc
         triangles.records[triangle].mesh == triangles.records[ray.end_triangle].mesh) {
         return false;
     }
-    const std::uint32_t* corners = triangles.indices + std::size_t{triangle} * 3;
-    return parts_ends(triangles.positions[corners[0]], triangles.positions[corners[1]],
-                      triangles.positions[corners[2]], ray);
+    return parts_ends(triangles, triangle, ray);
 }
 
 void filter_shadow_hits(const RTCFilterFunctionNArguments* hits) {

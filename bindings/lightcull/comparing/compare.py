@@ -62,8 +62,8 @@ def compare(
     The time of a sampler is that of its builds, refits, pilots and passes, equal within 3 %. The
     samplers take turns, so that a noisy machine is fair to all. With spp, each renders as many
     samples per pixel instead. samplers: descriptions as in `LightSampler`; None: uniform, power,
-    light_bvh, culled and learned. size: width and height, pixels. max_depth: longest path, in edges: 2 is direct light. rr_depth, direct_light: as in
-    `render`. threads: 0 for all.
+    light_bvh, culled and learned. size: width and height, pixels. max_depth: longest path, in
+    edges: 2 is direct light. rr_depth, direct_light: as in `render`. threads: 0 for all.
 
     The reference is rendered by `learned`, with seeds of its own, and kept in
     $XDG_CACHE_HOME/lightcull (or ~/.cache/lightcull). reference_seconds: its wall time; without it,

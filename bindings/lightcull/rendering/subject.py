@@ -10,6 +10,7 @@ from .job import CountingJob
 from .path_job import PathJob
 from .settings import RenderSettings
 
+
 class Subject(Protocol):
     """A scene, and the renderer that shows it."""
 

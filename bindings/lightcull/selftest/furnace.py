@@ -121,7 +121,7 @@ def _albedo(cosine: float, alpha: float) -> float:
 _FIREFLY_SAMPLERS = ("uniform", "power", "light_bvh", "light_bvh:importance=means", "culled")
 
 
-_SEEDS = range(1, 4)
+_SEEDS = range(1, 10)
 _EXTREMES = 1.25
 """Largest samples of equal distributions differ by as much."""
 

@@ -46,8 +46,8 @@ struct RangeOptions {
     /// epsilon_max of [TH16] Eq. 7, > 0; none: found so that `expected_accepted` lights are
     /// accepted per point in the mean over SamplerContext::calibration_points.
     std::optional<float> error_bound;
-    /// Lights to accept per point, > 0. All are accepted where there are no more than four times
-    /// as many (not by `clamped`).
+    /// Lights, or groups of them, to accept per point, > 0. `culled` accepts all where there are no
+    /// more than four times as many.
     float expected_accepted = 16.0f;
     /// E of [TH16] Eq. 7, > 0; used with a given error_bound only.
     float exposure = 1.0f;
@@ -81,7 +81,8 @@ struct CulledOptions {
     /// among the lights, whose sets take more memory, at most 16.
     std::optional<std::uint32_t> set_count;
     /// Most lights in a group, >= 1; 1 is the paper, and all there is with glossy points. None: a
-    /// 400th of the lights, at most 128.
+    /// 400th of the lights, at most 128; 1 where lights that emit only within 60 degrees of their
+    /// axis give more than a quarter of all intensity.
     std::optional<std::uint32_t> group_size;
 };
 
@@ -90,10 +91,11 @@ inline constexpr std::uint32_t kMaxSetCount = 4096;
 /// `culled`, and what it learns of visibility from the shadow rays that a host reports
 /// (LightSelector::report). Space is divided into cells; each weighs up to 128 clusters of lights,
 /// the more of them where it may be lit from, by importance and by the root of the share of shadow
-/// rays to them that arrived. Where no cell has been made, for a host that never reports, and where
-/// there are no more than four lights, or narrow spots give a quarter of all intensity, it is
-/// `culled`. Passes are independent of one another once
-/// learning has come to rest. Glossy points must not be among the lights.
+/// rays to them that arrived. It is `culled` where no cell has been made and for a host that never
+/// reports; also where there are no more than four lights, and where, when it is made, lights that
+/// emit only within 26 degrees of their axis give more than a quarter of all intensity. Passes are
+/// independent of one another once learning has come to rest. Glossy points must not be among the
+/// lights.
 struct LearnedOptions {
     std::uint32_t rounds = 96;  ///< passes begun after reports, until learning comes to rest; > 0
     std::uint32_t memory_mib = 64;  ///< most memory of all cells, MiB, > 0

@@ -19,10 +19,10 @@ constexpr double kPi = 3.14159265358979323846;
 constexpr std::size_t kSampledLights = 8192, kDrawnPoints = 128;
 
 // Ranges and their squares stay finite and above 0 for every xi and intensity.
-constexpr double kLeastReach = 1e-30, kGreatestReach = 1e18;
+constexpr double kLeastReach = 1e-30;
 
 float clamp_reach(double reach) noexcept {
-    return static_cast<float>(std::clamp(reach, kLeastReach, kGreatestReach));
+    return static_cast<float>(std::clamp(reach, kLeastReach, double{kGreatestReach}));
 }
 
 /// The reach by [TH16] Eq. 7, or appendix A, for the given epsilon_max.
@@ -66,11 +66,16 @@ std::vector<Receiver> points_or_drawn(const RangedScene& scene, Span<const Shadi
         points.emplace_back(scene.frame, point);
     }
     if (!points.empty()) return points;
-    float3 low = scene.lights[0].center, high = low;
+    // Lights beyond that are far ones, as the frame has them.
+    constexpr float kMost = 4.0f;
+    float3 low{kMost, kMost, kMost}, high = low * -1.0f;
     for (const RangedLight& light : scene.lights) {
-        low = min(low, light.center);
-        high = max(high, light.center);
+        const float3& p = light.center;
+        if (std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) > kMost) continue;
+        low = min(low, p);
+        high = max(high, p);
     }
+    if (low.x > high.x) low = high = scene.lights[0].center;
     RandomStream random(hash(2, 3));
     const float3 center = (low + high) * 0.5f;
     const float3 extent = not_flat(high - low);
@@ -146,12 +151,6 @@ RangedLight ranged(const LightRecord& light) noexcept {
 
 double reach_of_expected_count(const RangedScene& scene, const RangeOptions& options,
                                Span<const ShadingPoint> given, RangeLaw law) {
-    // So few are weighed in less time than it takes to find out which.
-    constexpr float kFew = 4.0f;
-    if (law == RangeLaw::kRandom &&
-        static_cast<float>(scene.lights.size()) <= kFew * options.expected_accepted) {
-        return kGreatestReach;
-    }
     const std::vector<std::size_t> sample = sample_lights(scene.lights.size());
     const std::vector<Receiver> points = points_or_drawn(scene, given);
     auto [thresholds, point_count] = thresholds_of(scene, sample, points);

@@ -31,6 +31,9 @@ RangedScene ranged_scene(const LightTable& table);
 /// True if a light gives a point anything, visibility aside. way: from one to the other.
 bool reaches(const LightRecord& light, const Approach& way, const Receiver& x) noexcept;
 
+/// The reach with which all is accepted that may reach a point, but for the strangest scenes.
+inline constexpr float kGreatestReach = 1e18f;
+
 /// The factor by which an intensity is to be multiplied for the square of its range at xi = 1, in
 /// the units of the frame: 1 / alpha_i is reach * intensity. It follows from options.error_bound,
 /// or by bisection from options.expected_accepted of the lights per point that can reach it, in

@@ -9,6 +9,8 @@
 namespace lightcull {
 namespace {
 
+constexpr float kLargest = std::numeric_limits<float>::max();
+
 bool is_lit(const Light& light) noexcept {
     return light.intensity > 0.0f;
 }
@@ -31,29 +33,29 @@ const Light* nearest_to_origin(Span<const Light> lights) noexcept {
 
 /// Half the distance from a place to the far side of a light, by its largest coordinate.
 float half_distance(const Light& light, float3 from) noexcept {
-    return largest(light.center * 0.5f - from * 0.5f) + light.radius * 0.5f;
+    const float distance = largest(light.center * 0.5f - from * 0.5f) + light.radius * 0.5f;
+    return std::min(distance, kLargest);
 }
 
 /// The half_distance() from which on lights are 2^gap times as far as all nearer ones; infinite if
 /// none are.
 float far_begins(Span<const Light> lights, float3 from, int gap) noexcept {
-    constexpr int kLeast = -150, kMost = 128;  // exponents of floats
-    // In metres: what a single light of no size lights is nearer than that.
-    constexpr int kMostOfPoint = 16;
+    constexpr int kLeast = -150, kMost = 127;  // exponents of floats
+    // What lies within a sixteenth of a metre counts as if it reached as far: lamps of no size do
+    // not make a room of lamps far.
+    constexpr int kLeastNear = -4;
     std::array<bool, kMost - kLeast + 1> is_there{};
-    bool is_point = false;
     for (const Light& light : lights) {
-        if (!is_lit(light)) continue;
-        const float distance = half_distance(light, from);
-        is_point |= distance == 0.0f;
-        if (distance > 0.0f)
+        const float distance = is_lit(light) ? half_distance(light, from) : 0.0f;
+        if (distance > 0.0f) {
             is_there[static_cast<std::size_t>(std::ilogb(distance) - kLeast)] = true;
+        }
     }
-    int last = is_point ? kMostOfPoint - gap : kMost;
+    int last = kLeastNear;
     for (int exponent = kLeast; exponent <= kMost; ++exponent) {
         if (!is_there[static_cast<std::size_t>(exponent - kLeast)]) continue;
         if (exponent > last + gap) return std::ldexp(1.0f, exponent);
-        last = exponent;
+        last = std::max(last, exponent);
     }
     return std::numeric_limits<float>::infinity();
 }
@@ -73,8 +75,9 @@ Bounds bounds_of_near(Span<const Light> lights, float3 from, int gap) noexcept {
     for (const Light& light : lights) {
         if (!is_lit(light) || !(half_distance(light, from) < far)) continue;
         const float3 r{light.radius, light.radius, light.radius};
-        bounds.low = min(bounds.low, light.center - r);
-        bounds.high = max(bounds.high, light.center + r);
+        constexpr float3 kAll{kLargest, kLargest, kLargest};
+        bounds.low = min(bounds.low, max(light.center - r, kAll * -1.0f));
+        bounds.high = max(bounds.high, min(light.center + r, kAll));
         bounds.brightest = std::max(bounds.brightest, light.intensity);
     }
     return bounds;

@@ -325,8 +325,13 @@ std::unique_ptr<LightSampler> make_culled_sampler(const CulledOptions& options,
         share_of_narrow_cones(lights, kNarrow) > kMany ? 1 : suitable_group_size(table.lit.size());
     const std::uint32_t group_size = options.group_size.value_or(suitable_size);
     LightGroups groups = make_light_groups(table, group_size);
-    const float reach = calibrate_reach(ranged_scene(groups, table.frame), options.range,
+    // So few are weighed in less time than it takes to find out which.
+    constexpr float kFew = 4.0f;
+    const bool all = !options.range.error_bound && static_cast<float>(groups.groups.size()) <=
+                                                       kFew * options.range.expected_accepted;
+    const float found = calibrate_reach(ranged_scene(groups, table.frame), options.range,
                                         context.calibration_points, RangeLaw::kRandom);
+    const float reach = all ? kGreatestReach : found;
     const std::uint32_t suitable =
         suitable_set_count(lights.size(), groups.groups.size(), context.points_per_pass);
     return std::make_unique<CulledSampler>(

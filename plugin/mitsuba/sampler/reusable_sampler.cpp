@@ -14,7 +14,7 @@ ReusableSampler::ReusableSampler(SamplerInput input)
       nothing_learned_(sampler_->learned()) {
 }
 
-void ReusableSampler::forget() const {
+void ReusableSampler::forget() {
     if (learns_) sampler_->restore_learned(nothing_learned_);
 }
 

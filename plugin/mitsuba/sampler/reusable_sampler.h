@@ -21,8 +21,8 @@ class ReusableSampler {
     ::lightcull::LightSampler& sampler() const { return *sampler_; }
     /// Whether what it selects depends on what was reported to it.
     bool learns() const { return learns_; }
-    /// Makes it select as a new one does.
-    void forget() const;
+    /// Makes it select as a new one does, once a pass has begun.
+    void forget();
 
   private:
     SamplerInput input_;

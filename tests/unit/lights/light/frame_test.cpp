@@ -1,6 +1,7 @@
 #include "lights/light/frame.h"
 
 #include <lightcull/light_sampler.h>
+#include <lightcull/sampler_info.h>
 #include <lightcull/samplers.h>
 
 #include <doctest/doctest.h>
@@ -163,6 +164,29 @@ TEST_CASE("a frame holds all lights that are not far, wherever they are") {
                                   point_light({9, 1, 1}, 4.0f)};
     CHECK(make_frame(room).inv_scale == 0.25f);
     CHECK(make_frame(room).intensity == 4.0f);
+    // Nor does a lamp of a micrometre make the others far, or any number end beyond all floats.
+    CHECK(make_frame(std::vector<Light>{sphere_light({0, 0, 0}, 1e-6f, 1.0f),
+                                        point_light({8, 1, 1}, 4.0f)})
+              .inv_scale == doctest::Approx(0.25f));
+    Light huge = point_light({3e38f, 0, 0}, 1.0f);
+    huge.radius = 2e38f;
+    const Frame widest = make_frame(std::vector<Light>{point_light({-3e38f, 0, 0}, 1.0f), huge});
+    CHECK(std::isfinite(widest.origin.x));
+    CHECK(widest.inv_scale > 0.0f);
+}
+
+TEST_CASE("a far sun does not make culled accept every lamp where no points are given") {
+    std::vector<Light> lights = lamps(2000, {0, 0, 0});
+    add_sun(lights, 1.5e11f);
+    const auto sampler = make_sampler("culled:group=1", lights);
+    sampler->begin_pass(0);
+    double accepted = 0.0;
+    const auto points = floor_points(200, {0, 0, 0});
+    for (const ShadingPoint& point : points) {
+        accepted += sampler_info(*sampler)->count(point).accepted / 200.0;
+    }
+    CHECK(accepted > 8.0);
+    CHECK(accepted < 60.0);
 }
 
 }  // namespace lightcull
