@@ -280,27 +280,31 @@ py::object count(const SharedSelector& sampler, const py::object& positions,
     return counts;
 }
 
+/// An array of so many lights, of which light(i) makes each.
+template <typename Make>
+py::object lights_of(py::ssize_t count, const Make& light) {
+    py::object lights = new_array(py::make_tuple(count), light_dtype());
+    const Span<Light> result = elements<Light>(lights);
+    for (std::size_t i = 0; i < result.size(); ++i) result[i] = light(i);
+    return lights;
+}
+
 py::object triangle_lights(const py::object& corners, const py::object& radiance, bool two_sided) {
     const py::buffer_info info =
         read_array(corners, "corners", {numpy_dtype(py::str("float32")), {-1, 3, 3}});
     const auto* corner = static_cast<const float3*>(info.ptr);
     const Rows<float> values(radiance, "radiance", info.shape[0]);
-    py::object lights = new_array(py::make_tuple(info.shape[0]), light_dtype());
-    const Span<Light> result = elements<Light>(lights);
-    for (std::size_t i = 0; i < result.size(); ++i)
-        result[i] = triangle_light(corner[3 * i], corner[3 * i + 1], corner[3 * i + 2],
-                                   values.span()[i], two_sided);
-    return lights;
+    return lights_of(info.shape[0], [&](std::size_t i) {
+        return triangle_light(corner[3 * i], corner[3 * i + 1], corner[3 * i + 2], values.span()[i],
+                              two_sided);
+    });
 }
 
 py::object point_lights(const py::object& positions, const py::object& intensity) {
     const Rows<float3> rows(positions, "positions");
     const Rows<float> values(intensity, "intensity", rows.size());
-    py::object lights = new_array(py::make_tuple(rows.size()), light_dtype());
-    const Span<Light> result = elements<Light>(lights);
-    for (std::size_t i = 0; i < result.size(); ++i)
-        result[i] = point_light(rows.span()[i], values.span()[i]);
-    return lights;
+    return lights_of(rows.size(),
+                     [&](std::size_t i) { return point_light(rows.span()[i], values.span()[i]); });
 }
 
 py::object spot_lights(const py::object& positions, const py::object& directions,
@@ -311,12 +315,10 @@ py::object spot_lights(const py::object& positions, const py::object& directions
     const Rows<float> values(intensity, "intensity", places.size());
     const Rows<float> inners(inner, "inner", places.size());
     const Rows<float> outers(outer, "outer", places.size());
-    py::object lights = new_array(py::make_tuple(places.size()), light_dtype());
-    const Span<Light> result = elements<Light>(lights);
-    for (std::size_t i = 0; i < result.size(); ++i)
-        result[i] = spot_light(places.span()[i], axes.span()[i], values.span()[i], inners.span()[i],
-                               outers.span()[i]);
-    return lights;
+    return lights_of(places.size(), [&](std::size_t i) {
+        return spot_light(places.span()[i], axes.span()[i], values.span()[i], inners.span()[i],
+                          outers.span()[i]);
+    });
 }
 
 py::object bounded_lights(const py::object& box_min, const py::object& box_max,
@@ -328,12 +330,10 @@ py::object bounded_lights(const py::object& box_min, const py::object& box_max,
     const Rows<float> normals(cos_theta_o, "cos_theta_o", low.size());
     const Rows<float> spread(cos_theta_e, "cos_theta_e", low.size());
     const Rows<float> values(power, "power", low.size());
-    py::object lights = new_array(py::make_tuple(low.size()), light_dtype());
-    const Span<Light> result = elements<Light>(lights);
-    for (std::size_t i = 0; i < result.size(); ++i)
-        result[i] = bounded_light(low.span()[i], high.span()[i], axis.span()[i], normals.span()[i],
-                                  spread.span()[i], two_sided, values.span()[i]);
-    return lights;
+    return lights_of(low.size(), [&](std::size_t i) {
+        return bounded_light(low.span()[i], high.span()[i], axis.span()[i], normals.span()[i],
+                             spread.span()[i], two_sided, values.span()[i]);
+    });
 }
 
 std::unique_ptr<SharedSampler> sampler_of_lights(const py::object& lights,

@@ -25,8 +25,8 @@ float pdf_by_area(const TriangleEmitter& emitter, const V3f& to_place) noexcept 
 }
 
 /// The triangle as it is seen from a point that is near enough for places uniform by area to be
-/// noisy: nearer than three times its size. Nothing where it is seen edge-on, or the
-/// point is in its plane.
+/// noisy: nearer than three times its size. Nothing where it is seen edge-on, or the point is in
+/// its plane.
 std::optional<SphericalTriangle> as_seen_from_near(const TriangleEmitter& emitter,
                                                    const V3f& from) noexcept {
     constexpr float kNear = 3.0f;
@@ -36,11 +36,10 @@ std::optional<SphericalTriangle> as_seen_from_near(const TriangleEmitter& emitte
     const float size2 = std::max(e1.dot(e1), e2.dot(e2));
     if (a.dot(a) > (kNear + 1.0f) * (kNear + 1.0f) * size2) return std::nullopt;
     // On the triangle itself rounding would decide what is seen.
-    constexpr float kRounding = 16.0f * 0x1p-24f;
-    const V3f normal = e1.cross(e2);
-    const float rounding =
-        abs(normal).dot(abs(from) + abs(emitter.corner)) + std::sqrt(normal.dot(normal) * size2);
-    if (std::fabs(normal.dot(a)) <= kRounding * rounding) return std::nullopt;
+    const V3f normal = triangle_normal(e1, e2);
+    if (std::fabs(normal.dot(a)) <= clearance(normal, abs(from) + abs(emitter.corner), e1, e2)) {
+        return std::nullopt;
+    }
     constexpr double kLeast = 1e-6;
     const V3d corner(a);
     const SphericalTriangle seen(corner, corner + V3d(e1), corner + V3d(e2));

@@ -93,11 +93,10 @@ TextureMean::TextureMean(const Texture& texture)
       sums_per_row_((width_ + kStride - 1) / kStride + 1) {
     sums_.reserve(static_cast<std::size_t>(sums_per_row_ * height_));
     for (std::int64_t y = 0; y < height_; ++y) {
-        Sum sum{0.0, 0};
+        Sum sum;
         for (std::int64_t x = 0; x < width_; ++x) {
             if (x % kStride == 0) sums_.push_back(sum);
-            sum.luminance += texel(x, y);
-            sum.lit += texel(x, y) > 0.0 ? 1 : 0;
+            sum.add(texel(x, y));
         }
         sums_.push_back(sum);
     }
@@ -146,18 +145,16 @@ double TextureMean::texel(std::int64_t x, std::int64_t y) const noexcept {
         luminance(to_v3f(texels_[static_cast<std::size_t>(y * width_ + x)])));
 }
 
-double TextureMean::sum_of_first(std::int64_t row, std::int64_t count) const noexcept {
-    const std::int64_t kept = count == width_ ? sums_per_row_ - 1 : count / kStride;
-    double sum = sums_[static_cast<std::size_t>(row * sums_per_row_ + kept)].luminance;
-    for (std::int64_t x = kept * kStride; x < count; ++x) sum += texel(x, row);
-    return sum;
+void TextureMean::Sum::add(double texel) noexcept {
+    luminance += texel;
+    lit += texel > 0.0 ? 1 : 0;
 }
 
-std::int64_t TextureMean::lit_of_first(std::int64_t row, std::int64_t count) const noexcept {
+TextureMean::Sum TextureMean::sum_of_first(std::int64_t row, std::int64_t count) const noexcept {
     const std::int64_t kept = count == width_ ? sums_per_row_ - 1 : count / kStride;
-    std::int64_t lit = sums_[static_cast<std::size_t>(row * sums_per_row_ + kept)].lit;
-    for (std::int64_t x = kept * kStride; x < count; ++x) lit += texel(x, row) > 0.0 ? 1 : 0;
-    return lit;
+    Sum sum = sums_[static_cast<std::size_t>(row * sums_per_row_ + kept)];
+    for (std::int64_t x = kept * kStride; x < count; ++x) sum.add(texel(x, row));
+    return sum;
 }
 
 struct TextureMean::Cell {
@@ -194,8 +191,8 @@ TextureMean::Cell TextureMean::cell_at(const V2d& place) const noexcept {
         cell.texels[j][1] = texel(next, row);
         // The trapezoids of whole repeats and of the cells before, but for half of the first texel:
         // a number of the row alone, which the edges of a triangle cancel.
-        cell.integrals[j] = static_cast<double>(repeats) * sum_of_first(row, width_) +
-                            sum_of_first(row, column) + 0.5 * cell.texels[j][0];
+        cell.integrals[j] = static_cast<double>(repeats) * sum_of_first(row, width_).luminance +
+                            sum_of_first(row, column).luminance + 0.5 * cell.texels[j][0];
     }
     return cell;
 }
@@ -236,8 +233,10 @@ bool TextureMean::any_lit(const Texels& texels) const noexcept {
     const std::int64_t begin = wrap(texels.x, width_), end = begin + texels.columns;
     for (std::int64_t j = 0; j < texels.rows; ++j) {
         const std::int64_t row = wrap(texels.y + j, height_);
-        const std::int64_t wrapped = end > width_ ? lit_of_first(row, end - width_) : 0;
-        if (lit_of_first(row, std::min(end, width_)) - lit_of_first(row, begin) + wrapped > 0) {
+        const std::int64_t wrapped = end > width_ ? sum_of_first(row, end - width_).lit : 0;
+        const std::int64_t lit =
+            sum_of_first(row, std::min(end, width_)).lit - sum_of_first(row, begin).lit;
+        if (lit + wrapped > 0) {
             return true;
         }
     }

@@ -37,9 +37,14 @@ class LIGHTCULL_CORE_EXPORT TextureMean {
     Texels touched(const V2d& low, const V2d& high) const noexcept;
     double texel(std::int64_t x, std::int64_t y) const noexcept;
 
-    /// Sums over the first `count` texels of a row: of luminance, and of those above 0.
-    double sum_of_first(std::int64_t row, std::int64_t count) const noexcept;
-    std::int64_t lit_of_first(std::int64_t row, std::int64_t count) const noexcept;
+    struct Sum {
+        double luminance = 0.0;
+        std::int64_t lit = 0;  ///< number of texels above 0
+
+        void add(double texel) noexcept;
+    };
+    /// The sum over the first `count` texels of a row.
+    Sum sum_of_first(std::int64_t row, std::int64_t count) const noexcept;
 
     /// The square between the middles of four texels.
     struct Cell;
@@ -50,14 +55,9 @@ class LIGHTCULL_CORE_EXPORT TextureMean {
     bool any_lit(const Texels& texels) const noexcept;
     double mean_of(const Texels& texels) const noexcept;
 
-    /// Sums before every few texels of a row, and of all of it.
-    struct Sum {
-        double luminance;
-        std::int64_t lit;
-    };
     Span<const float3> texels_;
     std::int64_t width_, height_, sums_per_row_;
-    std::vector<Sum> sums_;
+    std::vector<Sum> sums_;  ///< sums before every few texels of a row, and of all of it
 };
 
 }  // namespace lightcull

@@ -2,6 +2,8 @@
 
 #include <lightcull/light.h>
 #include <lightcull/light_sampler.h>
+#include <lightcull/sampler_info.h>
+#include <lightcull/span.h>
 
 #include <cmath>
 #include <cstdint>
@@ -82,6 +84,18 @@ inline double sidak_z(double false_alarms, double tests) {
         (std::erfc(z / std::sqrt(2.0)) > each ? low : high) = z;
     }
     return high;
+}
+
+/// How many lights a sampler accepts at a point, in the mean over points and so many passes.
+inline double accepted_per_point(LightSampler& sampler, Span<const ShadingPoint> points,
+                                 std::uint64_t passes) {
+    double sum = 0.0;
+    for (std::uint64_t pass = 0; pass < passes; ++pass) {
+        sampler.begin_pass(pass);
+        for (const ShadingPoint& point : points)
+            sum += sampler_info(sampler)->count(point).accepted;
+    }
+    return sum / (static_cast<double>(passes) * static_cast<double>(points.size()));
 }
 
 }  // namespace lightcull::testing

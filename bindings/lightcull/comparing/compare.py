@@ -65,9 +65,9 @@ def compare(
     light_bvh, culled and learned. size: width and height, pixels. max_depth: longest path, in
     edges: 2 is direct light. rr_depth, direct_light: as in `render`. threads: 0 for all.
 
-    The reference is rendered by `learned`, with seeds of its own, and kept in
-    $XDG_CACHE_HOME/lightcull (or ~/.cache/lightcull). reference_seconds: its wall time; without it,
-    8 times what each sampler has.
+    The reference is rendered by `learned` (by `culled` where glossy virtual lights are among the
+    lights), with seeds of its own, and kept in $XDG_CACHE_HOME/lightcull (or ~/.cache/lightcull).
+    reference_seconds: its wall time; without it, 8 times what each sampler has.
 
     What is returned has the images, what each sampler took, and as `figures` the errors, costs and
     ratios: `lightcull.report.ComparisonFigures`, which is what report.json holds.

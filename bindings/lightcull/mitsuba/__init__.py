@@ -12,10 +12,10 @@ Importing this makes the plugin known to Mitsuba, in whichever variants are set 
 as `lightcull.LightSampler` takes it; default: learned, or culled with one of the following),
 error_bound (a number or "auto") and sets (a power of 4), which are added to it; and keep_learned. It
 renders in scalar_rgb, scalar_spectral, llvm_ad_rgb and llvm_ad_spectral, without derivatives. An
-integrator keeps its light sampler from one render to the next, for as long as the lights are the same and the camera sees the same; what
-it has learned, only with keep_learned, since images then depend on those before. Any thread may
-render; in LLVM variants, renders that are called at once take turns. `import_scene` takes a Mitsuba
-scene to lightcull's own renderer.
+integrator keeps its light sampler from one render to the next, for as long as the lights are the
+same and the camera sees the same; what it has learned, only with keep_learned, since images then
+depend on those before. Any thread may render; in LLVM variants, renders that are called at once take
+turns. `import_scene` takes a Mitsuba scene to lightcull's own renderer.
 
 Importing this raises lightcull.Error if Mitsuba is missing or of another version.
 """

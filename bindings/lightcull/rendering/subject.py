@@ -57,7 +57,10 @@ class OwnSubject:
     @property
     def best_sampler(self) -> str:
         """`learned`; `culled` where glossy points are among the lights, which `learned` refuses."""
-        return "culled" if self._scene.lights()["lobe_alpha"].any() else "learned"
+        may_be_glossy = self._scene.counts["virtual lights"] > 0
+        if may_be_glossy and self._scene.lights()["lobe_alpha"].any():
+            return "culled"
+        return "learned"
 
 
 def subject_of(scene: Scene | Subject) -> Subject:

@@ -318,11 +318,11 @@ std::unique_ptr<LightSampler> make_culled_sampler(const CulledOptions& options,
         return make_directed_culled_sampler(table, reach,
                                             options.set_count.value_or(kSetsOfGlossy));
     }
-    // Such cones are weighed one by one, found by trial on stages of spots.
+    // Such cones are weighed one by one.
     constexpr float kNarrow = 1.05f;
-    constexpr double kMany = 0.25;
-    const std::uint32_t suitable_size =
-        share_of_narrow_cones(lights, kNarrow) > kMany ? 1 : suitable_group_size(table.lit.size());
+    const std::uint32_t suitable_size = share_of_narrow_cones(lights, kNarrow) > kManyNarrowCones
+                                            ? 1
+                                            : suitable_group_size(table.lit.size());
     const std::uint32_t group_size = options.group_size.value_or(suitable_size);
     LightGroups groups = make_light_groups(table, group_size);
     // So few are weighed in less time than it takes to find out which.

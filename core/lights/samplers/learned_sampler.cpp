@@ -374,9 +374,8 @@ std::unique_ptr<LightSampler> make_learned_sampler(const LearnedOptions& options
     }
     // Clusters of narrow cones say less of a place than what may be learned about them.
     constexpr float kNarrow = 0.45f;
-    constexpr double kMany = 0.25;
     const std::uint32_t rounds =
-        share_of_narrow_cones(lights, kNarrow) > kMany ? 0 : options.rounds;
+        share_of_narrow_cones(lights, kNarrow) > kManyNarrowCones ? 0 : options.rounds;
     return std::make_unique<LearnedSampler>(
         std::move(base), LearningLimits{std::size_t{options.memory_mib} << 20, rounds});
 }

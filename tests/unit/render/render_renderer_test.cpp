@@ -92,6 +92,18 @@ class CancellingSampler final : public LightSampler {
     std::atomic<bool>& cancel_;
 };
 
+/// A level square about the origin, seen from its back, 5 m above.
+std::shared_ptr<Scene> square_from_above(float half_edge) {
+    auto scene = std::make_shared<Scene>();
+    scene->add_material(diffuse(0.5f));
+    Shape floor;
+    floor.add_level_square({0, 0, 0}, half_edge, false);
+    scene->add_mesh(floor.mesh("seen from behind", 0));
+    scene->set_camera(look({0, 5, 0}, {0, 0, 0}, 0.8f, {1, 0, 0}));
+    scene->commit();
+    return scene;
+}
+
 }  // namespace
 
 TEST_CASE("the image is the same bits for one thread and many") {
@@ -168,13 +180,7 @@ TEST_CASE("a scene without anything, or without lights, renders black or its sky
 }
 
 TEST_CASE("camera points are first hits with the normal towards the camera") {
-    auto scene = std::make_shared<Scene>();
-    scene->add_material(diffuse(0.5f));
-    Shape floor;
-    floor.add_level_square({0, 0, 0}, 100.0f, false);
-    scene->add_mesh(floor.mesh("seen from behind", 0));
-    scene->set_camera(look({0, 5, 0}, {0, 0, 0}, 0.8f, {1, 0, 0}));
-    scene->commit();
+    const auto scene = square_from_above(100.0f);
     RenderSettings settings;
     const auto points = camera_points(*scene, settings, 128);
     CHECK(points.size() >= 100);
@@ -191,13 +197,7 @@ TEST_CASE("camera points are first hits with the normal towards the camera") {
 }
 
 TEST_CASE("pixel points are what the middles of pixels show, and empty where that is nothing") {
-    auto scene = std::make_shared<Scene>();
-    scene->add_material(diffuse(0.5f));
-    Shape floor;
-    floor.add_level_square({0, 0, 0}, 1.0f, false);
-    scene->add_mesh(floor.mesh("part of what is seen", 0));
-    scene->set_camera(look({0, 5, 0}, {0, 0, 0}, 0.8f, {1, 0, 0}));
-    scene->commit();
+    const auto scene = square_from_above(1.0f);
     RenderSettings settings;
     settings.width = 40;
     settings.height = 20;

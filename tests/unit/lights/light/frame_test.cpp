@@ -1,7 +1,6 @@
 #include "lights/light/frame.h"
 
 #include <lightcull/light_sampler.h>
-#include <lightcull/sampler_info.h>
 #include <lightcull/samplers.h>
 
 #include <doctest/doctest.h>
@@ -13,6 +12,7 @@
 #include <vector>
 
 #include "base/random.h"
+#include "unit/test_lights.h"
 
 namespace lightcull {
 namespace {
@@ -179,12 +179,7 @@ TEST_CASE("a far sun does not make culled accept every lamp where no points are 
     std::vector<Light> lights = lamps(2000, {0, 0, 0});
     add_sun(lights, 1.5e11f);
     const auto sampler = make_sampler("culled:group=1", lights);
-    sampler->begin_pass(0);
-    double accepted = 0.0;
-    const auto points = floor_points(200, {0, 0, 0});
-    for (const ShadingPoint& point : points) {
-        accepted += sampler_info(*sampler)->count(point).accepted / 200.0;
-    }
+    const double accepted = testing::accepted_per_point(*sampler, floor_points(200, {0, 0, 0}), 1);
     CHECK(accepted > 8.0);
     CHECK(accepted < 60.0);
 }

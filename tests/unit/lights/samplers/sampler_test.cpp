@@ -281,14 +281,8 @@ TEST_CASE("auto accepts as many lights as it was told, at any scale and brightne
             for (const char* description : {"culled:accepted=16", "clamped:accepted=16"}) {
                 CAPTURE(description);
                 const auto sampler = make_sampler(description, lights, context);
-                double accepted = 0.0;
-                for (std::uint64_t pass = 0; pass < 20; ++pass) {
-                    sampler->begin_pass(pass);
-                    for (const ShadingPoint& point : points) {
-                        accepted += sampler_info(*sampler)->count(point).accepted;
-                    }
-                }
-                CHECK(accepted / (20 * 200) == doctest::Approx(16.0).scale(0.0).epsilon(0.05));
+                CHECK(accepted_per_point(*sampler, points, 20) ==
+                      doctest::Approx(16.0).scale(0.0).epsilon(0.05));
             }
         }
     }
@@ -314,15 +308,7 @@ TEST_CASE("points on lights, and where no light comes to, do not count when auto
     const auto accepted = [&](Span<const ShadingPoint> points) {
         SamplerContext context;
         context.calibration_points = points;
-        const auto sampler = make_sampler("culled:group=1", ceiling, context);
-        double sum = 0.0;
-        for (std::uint64_t pass = 0; pass < 20; ++pass) {
-            sampler->begin_pass(pass);
-            for (const ShadingPoint& point : lit) {
-                sum += sampler_info(*sampler)->count(point).accepted;
-            }
-        }
-        return sum / (20.0 * 100.0);
+        return accepted_per_point(*make_sampler("culled:group=1", ceiling, context), lit, 20);
     };
     CHECK(accepted(lit) == doctest::Approx(16.0).epsilon(0.05));
     CHECK(accepted(mixed) == accepted(lit));
