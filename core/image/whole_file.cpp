@@ -119,6 +119,15 @@ bool is_partial(const std::string& name, const std::string& prefix) {
     return name.find_first_not_of("0123456789-", prefix.size()) == std::string::npos;
 }
 
+/// Whether the open file still has that name. It may have been removed since it was opened, and its
+/// writer begun again under the same name; while a file is locked, it keeps its name.
+bool names(const fs::path& path, int descriptor) {
+    struct ::stat of_name {};
+    struct ::stat of_file {};
+    return ::lstat(path.c_str(), &of_name) == 0 && ::fstat(descriptor, &of_file) == 0 &&
+           of_name.st_dev == of_file.st_dev && of_name.st_ino == of_file.st_ino;
+}
+
 /// Removes the partial files of that path that nobody is writing any more.
 void remove_abandoned(const fs::path& path) {
     const std::string prefix = partial_prefix(path);
@@ -128,7 +137,9 @@ void remove_abandoned(const fs::path& path) {
         if (!is_partial(entry->path().filename().string(), prefix)) continue;
         const int descriptor = ::open(entry->path().c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
         if (descriptor < 0) continue;
-        if (::flock(descriptor, LOCK_EX | LOCK_NB) == 0) ::unlink(entry->path().c_str());
+        if (::flock(descriptor, LOCK_EX | LOCK_NB) == 0 && names(entry->path(), descriptor)) {
+            ::unlink(entry->path().c_str());
+        }
         ::close(descriptor);
     }
 }
