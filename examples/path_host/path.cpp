@@ -70,9 +70,6 @@ bool arrive(const Scene& scene, const LightSelector& selector, std::uint32_t bou
 }
 
 ShadingPoint shading_point(const Path& path, std::uint32_t set) {
-    // The lobe's peak is F D / 4 over the cosine of the view. We take a tenth of it, since what the
-    // light samples then miss of the lobe, the BSDF samples find.
-    constexpr float kShareOfLobe = 0.1f;
     const Surface& surface = path.surface;
     ShadingPoint point;
     point.position = path.position;
@@ -81,8 +78,9 @@ ShadingPoint shading_point(const Path& path, std::uint32_t set) {
     point.diffuse = luminance(surface.material().albedo) / kPi;
     point.lobe.axis = surface.mirror_direction();
     point.lobe.alpha = surface.material().alpha;
-    point.lobe.peak = kShareOfLobe * luminance(surface.fresnel(surface.cos_view())) *
-                      surface.ggx(1.0f) / (4.0f * surface.cos_view());
+    // F D / 4 over the cosine of the view.
+    point.lobe.peak = luminance(surface.fresnel(surface.cos_view())) * surface.ggx(1.0f) /
+                      (4.0f * surface.cos_view());
     return point;
 }
 

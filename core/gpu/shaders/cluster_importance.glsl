@@ -26,10 +26,20 @@ float softened(float c, float q) {
     return sum;
 }
 
-float with_lobe(Receiver point, float cosine, float angular_spread, float received) {
-    precise float width = point.alpha2 + 0.25 * angular_spread;
-    precise float off_axis = 0.5 * (1.0 - cosine);
-    precise float inverse = 1.0 / (width + off_axis);
+const float kLeastTwiceHalf2 = 1e-20;
+
+float with_lobe(Receiver point, Way way, float inverse_distance, float angular_spread,
+                float received) {
+    precise vec3 from_axis = way.way * inverse_distance - point.axis;
+    const float above = dot3(point.normal, from_axis);
+    precise vec3 across = from_axis - above * point.normal;
+    const float across2 = dot3(across, across);
+    precise float along = way.height * inverse_distance + dot3(point.normal, point.axis);
+    precise float twice_half2 =
+        along * along + point.from_all_sides + max(across2, kLeastTwiceHalf2);
+    precise float inverse_half2 = 1.0 / twice_half2;
+    precise float width = point.alpha2 + (0.125 + 0.5 * inverse_half2) * angular_spread;
+    precise float inverse = 1.0 / (width + (1.0 - point.alpha2) * (across2 * inverse_half2));
     precise float lobe = point.peak * point.alpha2 * width * inverse * inverse;
     precise float both = point.diffuse * received + lobe;
     return both;
@@ -48,11 +58,10 @@ float importance(LightGroup cluster, Receiver point, Way way) {
     if (point.peak > 0.0) {
         const float root = sqrt(mean_distance2);
         precise float inverse_root = 1.0 / root;
-        precise float cosine = dot3(point.axis, way.way) * inverse_root;
         precise float angular_spread = spread * inverse_root * inverse_root;
         precise float mean_cosine = 0.5 * received * inverse_root;
         precise float both =
-            (root + root) * with_lobe(point, cosine, angular_spread, mean_cosine);
+            (root + root) * with_lobe(point, way, inverse_root, angular_spread, mean_cosine);
         received = both;
     }
     const float facing = against(vec(cluster.mean_normal), way.way, two_sided(cluster));

@@ -69,6 +69,24 @@ float emitter_bound(LightRecord light, vec3 way, float distance) {
 
 const float kMinDistance2 = 1e-30;
 
+const float kLeastTwiceHalf2 = 1e-20;
+
+float mean_of_lobe(Receiver point, vec3 direction, float angular_spread) {
+    precise vec3 from_axis = direction - point.axis;
+    const float above = dot3(point.normal, from_axis);
+    precise vec3 across = from_axis - point.normal * above;
+    const float across2 = dot3(across, across);
+    precise float along = dot3(point.normal, direction) + dot3(point.normal, point.axis);
+    precise float twice_half2 =
+        along * along + point.from_all_sides + max(across2, kLeastTwiceHalf2);
+    const float inverse_half2 = quotient(1.0, twice_half2);
+    precise float width = point.alpha2 + (0.125 + 0.5 * inverse_half2) * angular_spread;
+    precise float blurred = width + (1.0 - point.alpha2) * (across2 * inverse_half2);
+    const float inverse = quotient(1.0, blurred);
+    precise float lobe = point.peak * point.alpha2 * width * inverse * inverse;
+    return lobe;
+}
+
 float light_importance(LightRecord light, Receiver point, Way way) {
     precise float spread = 0.25 * light.radius * light.radius;
     precise float mean_distance2 = way.distance2 + spread;
@@ -84,12 +102,10 @@ float light_importance(LightRecord light, Receiver point, Way way) {
         received = above;
     }
     if (point.peak > 0.0) {
-        precise float cosine = dot3(point.axis, way.way) * inverse;
-        precise float width = point.alpha2 + 0.25 * (spread * inverse * inverse);
-        precise float off_axis = width + 0.5 * (1.0 - cosine);
-        const float inverse_width = quotient(1.0, off_axis);
-        precise float both = point.diffuse * received +
-                             point.peak * point.alpha2 * width * inverse_width * inverse_width;
+        precise vec3 direction = way.way * inverse;
+        precise float angular_spread = spread * inverse * inverse;
+        precise float both =
+            point.diffuse * received + mean_of_lobe(point, direction, angular_spread);
         received = both;
     }
 

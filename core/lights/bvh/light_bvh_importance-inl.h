@@ -84,15 +84,13 @@ HWY_ATTR HWY_INLINE void compute_importances(const BoundsNode& node, const Recei
         const auto inside = hn::Ge(radius, distance);
         auto received = hn::IfThenElse(hn::Or(all_sides, inside), one, seen);
         if (receiver.has_lobe()) {
-            const auto mirrored =
-                hn::Mul(dot(hn::Set(d, receiver.axis.x), hn::Set(d, receiver.axis.y),
-                            hn::Set(d, receiver.axis.z), wx, wy, wz),
-                        inverse);
             // The mean in the bounds is taken: their largest value would outweigh all else wherever
             // the lobe is narrower than they are.
             const auto spread = hn::Mul(hn::Set(d, 0.4f), hn::Mul(half_sine, half_sine));
-            const auto glossy = cluster::with_lobe(d, ReceiverLanes<Tag, Receiver>{receiver},
-                                                   mirrored, spread, received);
+            const ReceiverLanes<Tag, Receiver> receivers{receiver};
+            const cluster::Ways<Tag> ways(receivers, node.center, i);
+            const auto glossy = cluster::with_lobe(d, receivers, ways, ways.height_over(receivers),
+                                                   inverse, spread, received, nullptr);
             received = hn::IfThenElseZero(hn::Gt(received, hn::Zero(d)), glossy);
         }
 

@@ -25,7 +25,7 @@ std::uint32_t ClusterCut::place_of_leaf(std::uint32_t leaf) const noexcept {
     return place;
 }
 
-CutChoice choose(const CutWeights& weights, std::uint32_t size, double number) noexcept {
+CutChoice choose(const CutWeights& weights, double number) noexcept {
     constexpr std::size_t kStride = CutWeights::kStride;
     double left = number * static_cast<double>(weights.total());
     // Down the sums: rounding may leave a little at the end, which falls to what has any weight.
@@ -42,7 +42,7 @@ CutChoice choose(const CutWeights& weights, std::uint32_t size, double number) n
     // can predict.
     double sum = 0.0, before = 0.0, weight = 1.0;
     std::size_t chosen = column;
-    for (std::size_t i = column; i < size; i += kStride) {
+    for (std::size_t i = column; i < weights.size; i += kStride) {
         const auto w = static_cast<double>(weights.of[i]);
         const bool take = w > 0.0 && sum <= left;
         chosen = take ? i : chosen;

@@ -8,6 +8,9 @@
 
 #include <hwy/highway.h>
 
+#include <algorithm>
+#include <iterator>
+
 #include "lights/bvh/cluster_importance-inl.h"
 #include "lights/learning/cut_kernels.h"
 #include "lights/light/receiver_lanes-inl.h"
@@ -20,32 +23,29 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 constexpr std::size_t kStride = CutWeights::kStride;
 using Tag = hn::CappedTag<float, kStride>;
-using Receivers = ReceiverLanes<Tag, Receiver>;
 
-/// The weights of clusters from the i-th on.
-HWY_ATTR HWY_INLINE hn::Vec<Tag> weights_at(const ClusterCut& cut, std::size_t i,
-                                            const Receivers& receivers) {
-    const Tag d;
-    const cluster::Ways<Tag> ways(receivers, cut.center, i);
+/// The importances of clusters from the i-th on. blurred: as in mean_importance().
+template <class D, std::size_t kCount>
+HWY_ATTR HWY_INLINE hn::Vec<D> importances_at(D d, const ClusterMeans<kCount>& clusters,
+                                              std::size_t i, const Receiver& receiver,
+                                              hn::Vec<D>* blurred) {
+    const ReceiverLanes<D, Receiver> receivers{receiver};
+    const cluster::Ways<D> ways(receivers, clusters.center, i);
     const auto height = ways.height_over(receivers);
-    const auto reached = cluster::may_reach(d, cut, i, receivers, ways, height);
-    const auto g = cluster::mean_importance(d, cut, i, receivers, ways, height);
-    return hn::IfThenElseZero(reached, hn::Mul(g, hn::Load(d, cut.visible + i)));
+    const auto reached = cluster::may_reach(d, clusters, i, receivers, ways, height);
+    const auto g = cluster::mean_importance(d, clusters, i, receivers, ways, height, blurred);
+    return hn::IfThenElseZero(reached, g);
 }
 
-HWY_ATTR inline void weigh(const ClusterCut& cut, const Receiver& receiver, CutWeights& weights) {
+/// The weights of clusters of a cut from the i-th on.
+HWY_ATTR HWY_INLINE hn::Vec<Tag> weights_at(const ClusterCut& cut, std::size_t i,
+                                            const Receiver& receiver, hn::Vec<Tag>* blurred) {
     const Tag d;
-    const Receivers receivers{receiver};
-    const std::size_t lanes = hn::Lanes(d);
-    for (std::size_t column = 0; column < kStride; column += lanes) {
-        auto sum = hn::Zero(d);
-        for (std::size_t i = column; i < cut.size; i += kStride) {
-            const auto w = weights_at(cut, i, receivers);
-            hn::Store(w, d, weights.of + i);
-            sum = hn::Add(sum, w);
-        }
-        hn::Store(sum, d, weights.sums + column);
-    }
+    return hn::Mul(importances_at(d, cut, i, receiver, blurred), hn::Load(d, cut.visible + i));
+}
+
+/// Adds up the sums over every kStride-th place.
+inline void add_up(CutWeights& weights) {
     const float* from = weights.sums;
     float* to = weights.sums + kStride;
     for (std::size_t half = kStride / 2; half > 0; half /= 2) {
@@ -55,13 +55,129 @@ HWY_ATTR inline void weigh(const ClusterCut& cut, const Receiver& receiver, CutW
     }
 }
 
+/// What of each weight is glossy and blurred by the spread of its cluster.
+struct alignas(64) Blur {
+    float of[CutWeights::kMaxSize];
+    float most[CutWeights::kMaxSize / kStride];  ///< the largest of each kStride places
+    float visible[CutWeights::kMaxOpened];       ///< factor of the children of an opened node
+};
+
+/// Finds the largest anew of the places around one.
+HWY_ATTR inline void find_most(Blur& blur, std::size_t place) {
+    const Tag d;
+    const std::size_t first = place / kStride * kStride;
+    auto most = hn::Load(d, blur.of + first);
+    for (std::size_t i = hn::Lanes(d); i < kStride; i += hn::Lanes(d)) {
+        most = hn::Max(most, hn::Load(d, blur.of + first + i));
+    }
+    blur.most[place / kStride] = hn::GetLane(hn::MaxOfLanes(d, most));
+}
+
+/// The place of which most is blurred.
+inline std::uint32_t most_blurred(const Blur& blur) {
+    const auto block = std::max_element(std::begin(blur.most), std::end(blur.most));
+    const float* of = blur.of + (block - std::begin(blur.most)) * static_cast<int>(kStride);
+    while (*of != *block) ++of;
+    return static_cast<std::uint32_t>(of - blur.of);
+}
+
+/// Puts the children of a node in the place of their cluster.
+HWY_ATTR inline void open(const MeansNode& node, float visible, const Receiver& receiver,
+                          CutWeights& weights, Blur& blur) {
+    const hn::CappedTag<float, CutWeights::kWidth> d;
+    const std::size_t first = weights.size;
+    weights.size += CutWeights::kWidth;
+    for (std::size_t i = 0; i < CutWeights::kWidth; i += hn::Lanes(d)) {
+        auto blurred = hn::Zero(d);
+        const auto w = hn::Mul(importances_at(d, node, i, receiver, &blurred), hn::Set(d, visible));
+        hn::Store(w, d, weights.of + first + i);
+        hn::Store(hn::Mul(w, blurred), d, blur.of + first + i);
+    }
+    find_most(blur, first);
+}
+
+/// Opens, as far as there is room, the clusters of which it is least known how much lies in the
+/// lobe of the receiver.
+HWY_ATTR inline void open_blurred(const LightBvh<MeansNode>& bvh, const ClusterCut& cut,
+                                  const Receiver& receiver, CutWeights& weights, Blur& blur) {
+    /// The share of all weight below which that does not matter.
+    constexpr float kShare = 1.0f / 128;
+    const float least = kShare * weights.total();
+    while (weights.opened_count < CutWeights::kMaxOpened) {
+        const std::uint32_t place = most_blurred(blur);
+        if (!(blur.of[place] > least)) return;
+        blur.of[place] = 0.0f;
+        find_most(blur, place);
+        const std::uint32_t child = weights.child(bvh, cut, place);
+        if ((child & LightBvhNode::kLight) != 0) continue;
+        const std::uint32_t k = weights.opened_count++;
+        weights.opened[k] = child;
+        blur.visible[k] = place < weights.first_opened
+                              ? cut.visible[place]
+                              : blur.visible[(place - weights.first_opened) / CutWeights::kWidth];
+        weights.of[place] = 0.0f;
+        open(bvh.nodes[child], blur.visible[k], receiver, weights, blur);
+    }
+}
+
+/// Sums the weights in columns.
+HWY_ATTR inline void sum(CutWeights& weights) {
+    const Tag d;
+    for (std::size_t column = 0; column < kStride; column += hn::Lanes(d)) {
+        auto sum = hn::Zero(d);
+        for (std::size_t i = column; i < weights.size; i += kStride) {
+            sum = hn::Add(sum, hn::Load(d, weights.of + i));
+        }
+        hn::Store(sum, d, weights.sums + column);
+    }
+    add_up(weights);
+}
+
+HWY_ATTR inline void weigh_lobe(const LightBvh<MeansNode>& bvh, const ClusterCut& cut,
+                                const Receiver& receiver, CutWeights& weights) {
+    const Tag d;
+    Blur blur;
+    std::fill(std::begin(blur.of) + weights.size, std::end(blur.of), 0.0f);
+    std::fill(std::begin(weights.of) + weights.size, std::end(weights.of), 0.0f);
+    for (std::size_t i = 0; i < weights.size; i += hn::Lanes(d)) {
+        auto blurred = hn::Zero(d);
+        const auto w = weights_at(cut, i, receiver, &blurred);
+        hn::Store(w, d, weights.of + i);
+        hn::Store(hn::Mul(w, blurred), d, blur.of + i);
+    }
+    for (std::size_t i = 0; i < CutWeights::kMaxSize; i += kStride) find_most(blur, i);
+    sum(weights);
+    open_blurred(bvh, cut, receiver, weights, blur);
+    if (weights.opened_count > 0) sum(weights);
+}
+
+HWY_ATTR inline void weigh(const LightBvh<MeansNode>& bvh, const ClusterCut& cut,
+                           const Receiver& receiver, CutWeights& weights) {
+    weights.size = static_cast<std::uint32_t>((cut.size + kStride - 1) / kStride * kStride);
+    weights.first_opened = weights.size;
+    weights.opened_count = 0;
+    if (receiver.has_lobe()) return weigh_lobe(bvh, cut, receiver, weights);
+    const Tag d;
+    const std::size_t lanes = hn::Lanes(d);
+    for (std::size_t column = 0; column < kStride; column += lanes) {
+        auto sum = hn::Zero(d);
+        for (std::size_t i = column; i < weights.size; i += kStride) {
+            const auto w = weights_at(cut, i, receiver, nullptr);
+            hn::Store(w, d, weights.of + i);
+            sum = hn::Add(sum, w);
+        }
+        hn::Store(sum, d, weights.sums + column);
+    }
+    add_up(weights);
+}
+
 HWY_ATTR inline float weight_of(const ClusterCut& cut, std::uint32_t place,
                                 const Receiver& receiver) {
     const Tag d;
     const std::size_t lanes = hn::Lanes(d);
     const std::size_t first = place / lanes * lanes;
     HWY_ALIGN float weights[kStride];
-    hn::Store(weights_at(cut, first, Receivers{receiver}), d, weights);
+    hn::Store(weights_at(cut, first, receiver, nullptr), d, weights);
     return weights[place - first];
 }
 

@@ -10,9 +10,10 @@ namespace lightcull {
 /// The work that is done with cuts, for one instruction set; all of them give the same bits.
 struct CutKernels {
     /// Weighs all clusters of a cut.
-    void (*weigh)(const ClusterCut& cut, const Receiver& receiver, CutWeights& weights);
+    void (*weigh)(const LightBvh<MeansNode>& bvh, const ClusterCut& cut, const Receiver& receiver,
+                  CutWeights& weights);
 
-    /// The weight of one of them, to the bit that of weigh().
+    /// The weight of one of them, to the bit that of weigh() where it was not opened.
     float (*weight_of)(const ClusterCut& cut, std::uint32_t place, const Receiver& receiver);
 };
 

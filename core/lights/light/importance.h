@@ -111,12 +111,26 @@ inline constexpr float kSpread = 0.25f;
 /// The variance of a height over a light, by its spread.
 inline constexpr float kHeightSpread = 0.375f;
 
-/// The mean over a light of a GlossyLobe: in its formula alpha^2 grows by what the light's spread
-/// adds to the mean of (1 - c) / 2, and the peak falls so that the lobe holds as much as before.
-inline float mean_of_lobe(float peak, float alpha2, float cosine, float angular_spread) noexcept {
-    const float width = alpha2 + 0.25f * angular_spread;
-    const float inverse = 1.0f / (width + 0.5f * (1.0f - cosine));
-    return peak * alpha2 * width * inverse * inverse;
+/// The least square of a sum of two directions.
+inline constexpr float kLeastTwiceHalf2 = 1e-20f;
+
+/// The mean over a light of a receiver's GlossyLobe, towards `direction` (about unit length). The
+/// half vector h of that and of the view v lies along direction + v, of which the part across the
+/// normal is that of direction - axis. In the lobe's formula alpha^2 grows by what the light's
+/// spread, times d |h|^2 / d |direction|^2 near the axis, adds to the mean squared sine of h to the
+/// normal; and the peak falls so that the lobe holds as much as before.
+inline float mean_of_lobe(const Receiver& receiver, float3 direction,
+                          float angular_spread) noexcept {
+    const float3 normal = receiver.normal;
+    const float3 from_axis = direction - receiver.axis;
+    const float3 across = from_axis - normal * dot(normal, from_axis);
+    const float across2 = dot(across, across);
+    const float along = dot(normal, direction) + dot(normal, receiver.axis);
+    const float inverse_half2 =
+        1.0f / (along * along + receiver.from_all_sides + std::max(across2, kLeastTwiceHalf2));
+    const float width = receiver.alpha2 + (0.125f + 0.5f * inverse_half2) * angular_spread;
+    const float inverse = 1.0f / (width + (1.0f - receiver.alpha2) * (across2 * inverse_half2));
+    return receiver.peak * receiver.alpha2 * width * inverse * inverse;
 }
 
 /// An estimate of g_i(x) of [TH16] Eq. 9, what the light gives a point but for visibility:
@@ -138,9 +152,8 @@ inline float importance(const LightRecord& light, const Approach& way,
         received = mean_above(height, kHeightSpread * spread) * inverse;
     }
     if (receiver.has_lobe()) {
-        const float cosine = dot(receiver.axis, way.way) * inverse;
         received = receiver.diffuse * received +
-                   mean_of_lobe(receiver.peak, receiver.alpha2, cosine, spread * inverse * inverse);
+                   mean_of_lobe(receiver, way.way * inverse, spread * inverse * inverse);
     }
 
     float emitter = 1.0f;

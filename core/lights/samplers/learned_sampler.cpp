@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <limits>
 #include <memory>
 #include <string>
@@ -78,11 +79,11 @@ class LearnedPass final : public LightSelector, public SamplerInfo {
         if (slot == LightBvh<MeansNode>::kNoSlot || !(receipt.weight_sum > 0.0f)) return 0.0f;
         const Receiver x = to_local(point);
         const ClusterCut& cut = cells_->cut(cell_of(receipt));
-        const std::uint32_t place = cut.place_of_leaf(lights_->leaves.first(slot));
-        const float weight = cut_kernels().weight_of(cut, place, x);
-        const double prob = static_cast<double>(weight) / static_cast<double>(receipt.weight_sum);
-        return static_cast<float>(light_bvh_kernels<MeansNode>().prob_of_slot(
-            lights_->bvh(), x, slot, cut.slot[place], prob));
+        const WeightOfSlot top = weight_above(cut, x, slot);
+        const double prob =
+            static_cast<double>(top.weight) / static_cast<double>(receipt.weight_sum);
+        return static_cast<float>(
+            light_bvh_kernels<MeansNode>().prob_of_slot(lights_->bvh(), x, slot, top.slot, prob));
     }
 
     void report(Span<const LightOutcome> outcomes) const noexcept override {
@@ -108,8 +109,9 @@ class LearnedPass final : public LightSelector, public SamplerInfo {
         const ClusterCut& cut = cells_->cut(cell);
         counts.lights_tested = cut.size;
         CutWeights weights;
-        cut_kernels().weigh(cut, to_local(point), weights);
-        for (std::uint32_t i = 0; i < cut.size; ++i) {
+        cut_kernels().weigh(lights_->bvh(), cut, to_local(point), weights);
+        counts.lights_tested += weights.opened_count * CutWeights::kWidth;
+        for (std::uint32_t i = 0; i < weights.size; ++i) {
             counts.accepted += weights.of[i] > 0.0f ? 1 : 0;
         }
         return counts;
@@ -163,7 +165,31 @@ class LearnedPass final : public LightSelector, public SamplerInfo {
 
     /// Weighs the clusters of a cell.
     void weigh(std::uint32_t cell, const Receiver& x, CutWeights& weights) const noexcept {
-        cut_kernels().weigh(cells_->cut(cell), x, weights);
+        cut_kernels().weigh(lights_->bvh(), cells_->cut(cell), x, weights);
+    }
+
+    /// A slot of the tree, and the weight of the cluster that it holds.
+    struct WeightOfSlot {
+        LightBvhSlot slot;
+        float weight;
+    };
+
+    /// What was weighed in a cell of the clusters above the slot of a light.
+    WeightOfSlot weight_above(const ClusterCut& cut, const Receiver& x,
+                              LightBvhSlot slot) const noexcept {
+        const std::uint32_t place = cut.place_of_leaf(lights_->leaves.first(slot));
+        if (!x.has_lobe()) return {cut.slot[place], cut_kernels().weight_of(cut, place, x)};
+        CutWeights weights;
+        cut_kernels().weigh(lights_->bvh(), cut, x, weights);
+        const auto begin = std::begin(weights.opened), end = begin + weights.opened_count;
+        for (; slot != cut.slot[place]; slot = lights_->bvh().parents[slot / CutWeights::kWidth]) {
+            const auto found = std::find(begin, end, slot / CutWeights::kWidth);
+            if (found == end) continue;
+            const auto k = static_cast<std::uint32_t>(found - begin);
+            return {slot, weights.of[weights.first_opened + k * CutWeights::kWidth +
+                                     slot % CutWeights::kWidth]};
+        }
+        return {slot, weights.of[place]};
     }
 
     /// Chooses one of them, at which a descent starts.
@@ -173,11 +199,11 @@ class LearnedPass final : public LightSelector, public SamplerInfo {
         descent.child = LightBvhNode::kLight;
         if (!(weights.total() > 0.0f)) return;
         const ClusterCut& cut = cells_->cut(cell);
-        const CutChoice choice = choose(weights, cut.size, number);
+        const CutChoice choice = choose(weights, number);
         descent.place = choice.within;
         descent.prob =
             static_cast<double>(weights.of[choice.place]) / static_cast<double>(weights.total());
-        descent.child = cut.child[choice.place];
+        descent.child = weights.child(lights_->bvh(), cut, choice.place);
     }
 
     static Selection result(const LightBvhDescent& descent, const Receipt& receipt) noexcept {

@@ -58,8 +58,6 @@ Receiver<Float> glossy_receiver(const SurfaceInteraction<Float, Spectrum>& si, c
                                 const dr::uint32_array_t<Float>& flags,
                                 const dr::mask_t<Float>& active) {
     using Vector3f = Vector<Float, 3>;
-    // BSDF sampling finds much of what lies in the lobe; in lightcull's own renderer it is as much.
-    constexpr float kLeftToLightSampling = 0.1f;
     // A lobe of another form must not hide a light that matters.
     constexpr float kGuard = 0.1f;
     constexpr float kMinAlpha = 1e-3f;
@@ -84,7 +82,7 @@ Receiver<Float> glossy_receiver(const SurfaceInteraction<Float, Spectrum>& si, c
         dr::InvPi<Float> * (dr::select(has_diffuse, diffuse, 0.0f) + kGuard * peak / pdf);
     dr::masked(receiver.axis, found) = mirror;
     dr::masked(receiver.alpha, found) = dr::clip(alpha, kMinAlpha, 1.0f);
-    dr::masked(receiver.peak, found) = kLeftToLightSampling * peak;
+    dr::masked(receiver.peak, found) = peak;
     return receiver;
 }
 
