@@ -17,7 +17,7 @@ Metres, radians, linear RGB. Arrays are C-contiguous float32 (N, 3), ids uint32.
 #   mitsuba           scenes of Mitsuba's, rendered there or here
 #   cli               the command
 
-from ._core import COUNTS, LIGHT, SELECTION, Error
+from ._core import COUNTS, LIGHT, LOBE, SELECTION, Error
 from ._core import VERSION as __version__
 from .camera import Camera
 from .comparing.compare import SAMPLERS, compare
@@ -43,6 +43,7 @@ from .scene import Scene
 __all__ = [
     "COUNTS",
     "LIGHT",
+    "LOBE",
     "METHODS",
     "SAMPLERS",
     "SELECTION",

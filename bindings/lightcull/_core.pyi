@@ -14,8 +14,13 @@ LIGHT: Final[np.dtype[np.void]]
 (float32) and two_sided (bool); metres, W/sr. `axis` is a unit vector, and the normals of the light
 lie within theta_o of it; it emits up to theta_e from its normal.
 """
+LOBE: Final[np.dtype[np.void]]
+"""Of the glossy lobe of a surface: axis (3,), alpha, peak (float32). `axis` is the mirror direction
+of the view, a unit vector; alpha is in (0, 1]; the peak is the lobe's value at the axis, in units
+of `diffuse`, and 0 where there is no glossy part.
+"""
 SELECTION: Final[np.dtype[np.void]]
-"""Of a selection: light (uint32), prob, weight_sum (float32), key (uint32)."""
+"""Of a selection: light (uint32), prob, mis_prob, weight_sum (float32), key (uint32)."""
 COUNTS: Final[np.dtype[np.void]]
 """Of what a selection costs: nodes_visited, lights_tested, accepted (uint32)."""
 
@@ -135,6 +140,8 @@ class LightSelector:
         normals: np.ndarray | None,
         u: np.ndarray,
         sets: np.ndarray | None,
+        diffuse: np.ndarray | None,
+        lobe: np.ndarray | None,
         /,
     ) -> np.ndarray: ...
     def select_single(
@@ -143,6 +150,8 @@ class LightSelector:
         normals: np.ndarray | None,
         u: np.ndarray,
         sets: np.ndarray | None,
+        diffuse: np.ndarray | None,
+        lobe: np.ndarray | None,
         /,
     ) -> np.ndarray:
         """As select(), one call of the library for each point."""
@@ -152,7 +161,9 @@ class LightSelector:
         positions: np.ndarray,
         normals: np.ndarray | None,
         selections: np.ndarray,
-        lights: np.ndarray,
+        lights: np.ndarray | None,
+        diffuse: np.ndarray | None,
+        lobe: np.ndarray | None,
         /,
     ) -> np.ndarray: ...
     def vertex_prob(
@@ -164,7 +175,13 @@ class LightSelector:
         /,
     ) -> np.ndarray: ...
     def count(
-        self, positions: np.ndarray, normals: np.ndarray | None, sets: np.ndarray | None, /
+        self,
+        positions: np.ndarray,
+        normals: np.ndarray | None,
+        sets: np.ndarray | None,
+        diffuse: np.ndarray | None,
+        lobe: np.ndarray | None,
+        /,
     ) -> np.ndarray: ...
     def light_count(self) -> int: ...
     def set_count(self) -> int: ...
