@@ -1,7 +1,7 @@
 """The compiled part. Arrays are C-contiguous; what each is, its users' docstrings say."""
 
 from collections.abc import Sequence
-from typing import Any, Final
+from typing import Any, Final, Protocol
 
 import numpy as np
 
@@ -279,11 +279,48 @@ class LearnedView:
     def memory_size(self) -> int:
         """Bytes that they take."""
 
+class SamplerLibrary:
+    def __init__(self, path: str, description: str, /) -> None: ...
+    @property
+    def path(self) -> str: ...
+    @property
+    def description(self) -> str: ...
+
+class ObjectSampler(Protocol):
+    """What a renderer takes for a sampler: a Python object, which throws nothing."""
+
+    set_count: int
+    needs_receipt: bool
+    def begin_pass(self, number: int, /) -> None: ...
+    def select(
+        self,
+        positions: np.ndarray,
+        normals: np.ndarray,
+        u: np.ndarray,
+        sets: np.ndarray,
+        diffuse: np.ndarray,
+        lobe: np.ndarray,
+        /,
+    ) -> np.ndarray:
+        """(N,) of dtype SELECTION."""
+
+    def prob(
+        self,
+        positions: np.ndarray,
+        normals: np.ndarray,
+        selections: np.ndarray,
+        lights: np.ndarray,
+        diffuse: np.ndarray,
+        lobe: np.ndarray,
+        /,
+    ) -> float:
+        """Of arrays of one point."""
+
 class Renderer:
     def __init__(
         self,
         scene: Scene,
-        sampler: str,
+        sampler: str | SamplerLibrary | ObjectSampler,
         width: int,
         height: int,
         max_depth: int,
@@ -291,9 +328,18 @@ class Renderer:
         threads: int,
         rr_depth: int,
         direct_light: str,
+        emission_apart: bool,
     ) -> None: ...
     def render_pass(self) -> bool: ...
     def image(self) -> np.ndarray: ...
+    def emission(self) -> np.ndarray:
+        """The part of the image that the camera sees of emitters directly: float32 (H, W, 3). An
+        Error unless emission is kept apart.
+        """
+
+    def lit(self) -> np.ndarray:
+        """The rest of the image; the same holds."""
+
     def sums(self) -> np.ndarray:
         """float64 (H, W, 3), over the passes."""
 
@@ -304,7 +350,9 @@ class Renderer:
         """Goes on from stats(), sums() and learned() of a renderer like this one."""
 
     def stats(self) -> RenderStats: ...
-    def mean_counts(self) -> MeanCounts: ...
+    def mean_counts(self) -> MeanCounts | None:
+        """None where the sampler does not tell."""
+
     def learned_view(self) -> LearnedView | None:
         """None where nothing was learned."""
 

@@ -11,29 +11,31 @@ import numpy as np
 import pytest
 
 import lightcull
-from conftest import make_room
+from conftest import QUAD, make_room, square
 from lightcull.comparing import compare as compare_module
 from lightcull.rendering import subject as subject_module
-from lightcull.report.metrics import relmse, relmse_of_mean
+from lightcull.rendering.job import SubjectJob
+from lightcull.report.metrics import relative_squared_error, relmse, relmse_of_mean
 
 SIZE = (32, 24)
 QUICK = {"spp": 4, "size": SIZE}
 
 
-class FakeJob:
+class FakeJob(SubjectJob):
     """Renders nothing, by a clock of its own."""
 
     setup_seconds = {"slow": 0.2, "middle": 0.05, "fast": 0.0, "huge": 0.0, "big": 0.0}
     pass_seconds = {"slow": 0.09, "middle": 0.031, "fast": 0.002, "huge": 1.0, "big": 0.9}
-    turns: list[str] = []
+    turns: list[tuple[str, int]] = []
 
     def __init__(self, scene, sampler, settings) -> None:
         self.sampler = sampler
+        self.seed = settings.seed
         self.spp = 0
 
     def render_pass(self) -> None:
         self.spp += 1
-        FakeJob.turns.append(self.sampler)
+        FakeJob.turns.append((self.sampler, self.seed))
 
     def image(self) -> np.ndarray:
         return np.ones((24, 32, 3), np.float32)
@@ -51,8 +53,8 @@ class FakeJob:
 
 
 @pytest.fixture
-def fake_jobs(monkeypatch: pytest.MonkeyPatch) -> list[str]:
-    reference = lightcull.report.Reference(np.ones((24, 32, 3), np.float32), "other", 64, 0.0)
+def fake_jobs(monkeypatch: pytest.MonkeyPatch) -> list[tuple[str, int]]:
+    reference = lightcull.report.Reference(np.ones((2, 24, 32, 3), np.float32), "other", 64)
     monkeypatch.setattr(subject_module, "PathJob", FakeJob)
     monkeypatch.setattr(subject_module, "check_description", lambda description: None)
     monkeypatch.setattr(compare_module, "reference_for", lambda order, progress: reference)
@@ -60,36 +62,57 @@ def fake_jobs(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     return FakeJob.turns
 
 
-def test_all_have_the_same_time_in_turns(room: lightcull.Scene, fake_jobs: list[str]) -> None:
+def test_all_have_the_same_time_in_turns(room: lightcull.Scene, fake_jobs: list[tuple[str, int]]) -> None:
     result = lightcull.compare(room, ["slow", "middle", "fast"], seconds=6.0, size=SIZE)
-    seconds = [run.seconds for run in result.samplers.values()]
+    seconds = [run.seconds for (run,) in result.samplers.values()]
     assert min(seconds) >= 6.0
     assert max(seconds) <= 1.03 * min(seconds)
     assert max(seconds) <= 6.0 + 2 * 0.09
     changes = sum(a != b for a, b in zip(fake_jobs, fake_jobs[1:], strict=False))
     assert changes > 100
-    run = result.samplers["middle"]
+    (run,) = result.samplers["middle"]
     assert (run.accepted_per_point, run.nodes_per_point, run.lights_tested_per_point) == (1, 2, 3)
     assert run.setup_seconds == 0.05
 
 
-def test_a_pass_that_is_too_long_is_said(room: lightcull.Scene, fake_jobs: list[str]) -> None:
+def test_a_pass_that_is_too_long_is_said(room: lightcull.Scene, fake_jobs: list[tuple[str, int]]) -> None:
     with pytest.warns(UserWarning, match=r"render times differ by \d+%: one pass takes too long"):
         lightcull.compare(room, ["huge", "big"], seconds=0.5, size=SIZE)
 
 
-def test_error_curve_is_spaced_by_ratio(room: lightcull.Scene, fake_jobs: list[str]) -> None:
+def test_seeds_run_side_by_side_in_turns(
+    room: lightcull.Scene, fake_jobs: list[tuple[str, int]]
+) -> None:
+    names = ["slow", "middle", "fast"]
+    result = lightcull.compare(room, names, seconds=2.0, repeats=3, seed=7, size=SIZE)
+    assert {turn for turn in fake_jobs} == {(name, 7 + i) for name in names for i in range(3)}
+    for name in names:
+        assert len(result.samplers[name]) == 3
+        turns = [seed for sampler, seed in fake_jobs if sampler == name]
+        changes = sum(a != b for a, b in zip(turns, turns[1:], strict=False))
+        assert changes > 20
+    seconds = [run.seconds for runs in result.samplers.values() for run in runs]
+    assert min(seconds) >= 2.0 and max(seconds) <= 1.03 * min(seconds)
+    half = len(fake_jobs) // 2  # after half of all passes each has had about half of them
+    for turn in set(fake_jobs):
+        assert fake_jobs[:half].count(turn) == pytest.approx(fake_jobs.count(turn) / 2, rel=0.3)
+
+
+def test_error_curve_is_spaced_by_ratio_of_samples(
+    room: lightcull.Scene, fake_jobs: list[tuple[str, int]]
+) -> None:
     result = lightcull.compare(room, ["fast"], seconds=2.0, size=SIZE)
-    moments = [seconds for seconds, _ in result.samplers["fast"].curve]
-    assert moments[0] == pytest.approx(0.002)
-    assert moments[-1] == result.samplers["fast"].seconds
+    ((run,),) = result.samplers.values()
+    moments = [moment.spp for moment in run.curve]
+    assert moments[:6] == [1, 2, 3, 4, 6, 8]
+    assert moments[-1] == run.spp and run.curve[-1].seconds == run.seconds
     ratios = np.divide(moments[1:], moments[:-1])
     assert np.all(ratios[:-1] >= 1.3)
     assert np.all(ratios[8:-1] < 1.4)
 
 
 def test_ctrl_c_reports_what_there_is(
-    room: lightcull.Scene, fake_jobs: list[str], monkeypatch: pytest.MonkeyPatch
+    room: lightcull.Scene, fake_jobs: list[tuple[str, int]], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def stop(progress: lightcull.Progress) -> None:
         if progress.stage == "middle":
@@ -98,8 +121,8 @@ def test_ctrl_c_reports_what_there_is(
     result = lightcull.compare(room, ["slow", "middle"], seconds=6.0, size=SIZE, progress=stop)
     assert result.interrupted
     assert list(result.samplers) == ["slow", "middle"]
-    assert result.samplers["middle"].spp >= 1
-    assert result.samplers["middle"].seconds < 6
+    assert result.samplers["middle"][0].spp >= 1
+    assert result.samplers["middle"][0].seconds < 6
 
 
 def test_report(room: lightcull.Scene, tmp_path: Path) -> None:
@@ -129,15 +152,17 @@ def test_report(room: lightcull.Scene, tmp_path: Path) -> None:
     assert report["samplers"]["uniform"]["ratio_to_uniform"] == 1
     assert set(stages) == {"reference", "uniform", "culled"}
     assert json.loads(json.dumps(asdict(result.figures))) == report
-    last_seconds, last_error = result.samplers["culled"].curve[-1]
-    assert last_seconds == result.samplers["culled"].seconds
-    assert last_error == relmse(result.samplers["culled"].image, result.reference.image)
+    (culled,) = result.samplers["culled"]
+    assert culled.curve[-1].seconds == culled.seconds
+    assert culled.curve[-1].relmse == result.figures.samplers["culled"].relmse
+    measured = relmse(culled.lit, result.reference.lit_image)
+    assert report["samplers"]["culled"]["relmse_measured"] == pytest.approx(measured)
 
 
 def test_what_was_learned_is_reported(room: lightcull.Scene, tmp_path: Path) -> None:
     result = lightcull.compare(room, ["culled", "learned"], folder=tmp_path, **QUICK)
-    assert result.samplers["culled"].learned is None
-    learned = result.samplers["learned"].learned
+    assert result.samplers["culled"][0].learned is None
+    learned = result.samplers["learned"][0].learned
     assert learned.cells.shape == learned.visibility.shape == (SIZE[1], SIZE[0])
     seen = learned.cells >= 0
     assert np.linalg.norm(learned.normals[seen], axis=-1) == pytest.approx(1, abs=1e-3)
@@ -161,15 +186,96 @@ def test_the_light_shown_is_hidden_from_some_and_not_from_others() -> None:
     result = lightcull.compare(
         lightcull.example_scene("offices"), ["learned"], spp=12, size=SIZE, reference_seconds=0.1
     )
-    visibility = result.samplers["learned"].learned.visibility
+    visibility = result.samplers["learned"][0].learned.visibility
     known = visibility[np.isfinite(visibility)]
     assert (known < 0.2).mean() > 0.1 and (known > 0.8).mean() > 0.1
 
 
 def test_images_are_those_of_render(room: lightcull.Scene) -> None:
-    result = lightcull.compare(room, ["culled"], seed=5, **QUICK)
-    alone = lightcull.render(make_room(), "culled", seed=5, **QUICK)
-    assert np.array_equal(result.samplers["culled"].image, alone.image)
+    result = lightcull.compare(room, ["culled"], seed=5, repeats=2, **QUICK)
+    for seed, run in enumerate(result.samplers["culled"], 5):
+        alone = lightcull.render(make_room(), "culled", seed=seed, **QUICK)
+        assert np.array_equal(run.image, alone.image)
+
+
+def test_emission_that_the_camera_sees_is_kept_apart() -> None:
+    """It is what paths of one edge find, and the rest is the light that falls on surfaces."""
+    room = make_room()
+    room.set_camera(origin=(0, 0.5, 6), target=(0, 1, 0))
+    (run,) = lightcull.compare(room, ["culled"], seed=5, **QUICK).samplers["culled"]
+    assert run.emission is not None and run.lit is not None
+    emission = lightcull.render(room, "culled", seed=5, max_depth=1, **QUICK).image
+    assert emission.any()
+    assert np.array_equal(run.emission, emission)
+    np.testing.assert_allclose(run.lit + run.emission, run.image, rtol=1e-6)
+    assert run.lit[emission.max(axis=2) == 0].any()
+
+
+def test_the_error_of_lamps_is_shown_beside_and_not_measured() -> None:
+    """In a hall of many small lamps that the camera sees, most of the error is their antialiasing."""
+    figures = lightcull.compare(make_hall(), ["culled"], spp=16, size=(64, 48)).figures
+    run = figures.samplers["culled"]
+    assert figures.measured == "lit"
+    assert run.relmse_emission > 0.6 * run.relmse_image
+    rest = run.relmse_image - run.relmse_emission
+    assert 0 < rest < 0.4 * run.relmse_image
+    assert run.relmse > 0
+
+
+def make_hall() -> lightcull.Scene:
+    """A floor under 3,000 lamps of 6 cm, seen along the hall."""
+    rng = np.random.default_rng(19)
+    scene = lightcull.Scene("hall")
+    floor = np.float32([[-10, 0, 30], [10, 0, 30], [10, 0, -30], [-10, 0, -30]])
+    scene.add_mesh(floor, QUAD, name="floor")
+    place = rng.uniform((-10, 3, -30), (10, 5, 30), (1500, 3)).astype(np.float32)
+    lamps = (square(0.03, 0, facing_up=False) + place[:, None]).reshape(-1, 3)
+    faces = (QUAD + 4 * np.arange(1500, dtype=np.uint32)[:, None, None]).reshape(-1, 3)
+    scene.add_light_mesh(lamps, faces, radiance=(90, 80, 60), name="lamps")
+    scene.set_camera(origin=(0, 2, 29), target=(0, 3, 0))
+    return scene
+
+
+def test_intervals_of_a_few_seeds_hold_the_truth() -> None:
+    """Five figures of the hall, of which 95 % intervals hold at least four in 98 of a hundred cases.
+    The truth is of 16 other seeds.
+    """
+    options = {"samplers": ["uniform", "culled"], "spp": 4, "size": (48, 36)}
+    few = lightcull.compare(make_hall(), seed=100, repeats=5, **options).figures.samplers
+    many = lightcull.compare(make_hall(), seed=1000, repeats=16, **options)
+    for name, runs in many.samplers.items():
+        lit = [run.lit for run in runs]
+        errors = [relative_squared_error(one, many.reference.lit_image).mean(axis=2) for one in lit]
+        truth = {
+            "relmse": np.mean([many.measure.relmse(one) for one in lit]),
+            "relmse_measured": np.mean(errors),
+            "relmse_median": np.median(errors, axis=(1, 2)).mean(),
+            "variance": many.measure.variance(lit),
+            "bias": many.measure.bias(lit),
+        }
+        intervals = few[name].intervals
+        held = [intervals[key][0] <= value <= intervals[key][1] for key, value in truth.items()]
+        assert sum(held) >= 4, (name, truth, intervals)
+        assert few[name].relmse == pytest.approx(few[name].bias + few[name].variance, rel=1e-6)
+
+
+def test_errors_are_of_the_pixels_of_a_mask(room: lightcull.Scene) -> None:
+    mask = np.zeros((SIZE[1], SIZE[0]), bool)
+    mask[12:, 4:20] = True
+    result = lightcull.compare(room, ["culled"], mask=mask, **QUICK)
+    assert result.figures.pixels == mask.sum()
+    (run,) = result.samplers["culled"]
+    errors = relative_squared_error(run.lit, result.reference.lit_image).mean(axis=2)
+    figures = result.figures.samplers["culled"]
+    assert figures.relmse_measured == pytest.approx(errors[mask].mean())
+    assert figures.relmse_median == pytest.approx(np.median(errors[mask]))
+    for wrong, kind, message in [
+        (np.zeros((2, 2), bool), TypeError, r"mask: wanted a bool array of shape \(24, 32\)"),
+        (np.zeros((24, 32)), TypeError, "mask: wanted a bool array .*got float64"),
+        (np.zeros((24, 32), bool), lightcull.Error, "mask: has no pixel that counts"),
+    ]:
+        with pytest.raises(kind, match=message):
+            lightcull.compare(room, ["culled"], mask=wrong, **QUICK)
 
 
 def test_all_samplers_of_renown_are_compared_unless_told(room: lightcull.Scene) -> None:
@@ -201,12 +307,14 @@ def test_the_reference_is_kept(
     halves = [job.image() for job in jobs]
     assert not np.array_equal(*halves)
     assert first.spp == 32
-    assert first.relmse_of_itself == pytest.approx(relmse_of_mean(*halves))
+    assert first.relmse_of_itself == pytest.approx(relmse_of_mean(*(job.lit() for job in jobs)))
     np.testing.assert_allclose(first.image, (halves[0] + halves[1]) / 2, rtol=1e-6)
+    assert np.array_equal(first.halves, halves)
 
     again = reference(make_room())
     assert not jobs
-    assert np.array_equal(again.image, first.image)
+    for part in ("halves", "lit", "emission"):
+        assert np.array_equal(getattr(again, part), getattr(first, part))
     assert (again.spp, again.sampler) == (first.spp, first.sampler)
     for change in ({"spp": 5}, {"size": (24, 32)}, {"max_depth": 3}):
         reference(make_room(), **change)
@@ -226,7 +334,7 @@ def test_the_reference_is_kept(
 
 
 def _spoiled(npz: bytes) -> bytes:
-    middle = npz.index(b"image.npy") + 200
+    middle = npz.index(b"halves.npy") + 200
     return npz[:middle] + bytes([npz[middle] ^ 1]) + npz[middle + 1 :]
 
 
@@ -253,6 +361,7 @@ def test_what_makes_no_sense_is_said_before_anything_is_rendered(
         ({"samplers": []}, "samplers: wanted one at least"),
         ({"folder": tmp_path / "file" / "report"}, "cannot write there"),
         ({"spp": None}, "give either seconds=... or spp=..."),
+        ({"repeats": 0}, "repeats: wanted a whole number from 1 up"),
     ]:
         with pytest.raises(lightcull.Error, match=message):
             lightcull.compare(room, **{**QUICK, **options})

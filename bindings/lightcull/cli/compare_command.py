@@ -9,6 +9,7 @@ from rich.table import Table
 from ..comparing.compare import compare
 from ..methods import compare_methods
 from ..report import ComparisonFigures
+from ..report.page import known
 from .options import CompareMethodsOptions, CompareOptions
 from .progress_bars import Bars
 
@@ -28,6 +29,8 @@ def run(options: CompareOptions, messages: Console) -> bool:
             rr_depth=options.rr_depth,
             direct_light=options.direct_light,
             reference_seconds=options.reference_seconds,
+            repeats=options.repeats,
+            mask=options.mask,
             folder=options.folder,
             command=options.command,
             progress=bars,
@@ -40,23 +43,19 @@ def run(options: CompareOptions, messages: Console) -> bool:
 
 def _table(figures: ComparisonFigures) -> Table:
     table = Table("sampler", box=SIMPLE)
-    for heading in ("spp", "seconds", "ns/select", "relMSE", "x uniform", "x light_bvh"):
+    keys = ("spp", "seconds", "ns_per_selection", "relmse", "relmse_emission", "ratio_to_uniform",
+            "ratio_to_light_bvh")  # fmt: skip
+    for heading in ("spp", "seconds", "ns/select", "relMSE", "lamps", "x uniform", "x light_bvh"):
         table.add_column(heading, justify="right", no_wrap=True)
     for name, sampler in figures.samplers.items():
         table.add_row(
             name,
-            f"{sampler.spp:,}",
-            f"{sampler.seconds:.2f}",
-            _number(sampler.ns_per_selection, ".0f"),
-            _number(sampler.relmse, ".3g"),
-            _number(sampler.ratio_to_uniform, ".3g"),
-            _number(sampler.ratio_to_light_bvh, ".3g"),
+            *(
+                " ".join(known(getattr(sampler, key), sampler.intervals.get(key))).strip()
+                for key in keys
+            ),
         )
     return table
-
-
-def _number(value: float | None, form: str) -> str:
-    return "-" if value is None else format(value, form)
 
 
 def run_methods(options: CompareMethodsOptions, messages: Console) -> bool:

@@ -75,6 +75,14 @@ def make_parser() -> argparse.ArgumentParser:
         metavar="S",
         help="render time of the reference; default: 8 times that of a sampler",
     )
+    compare.add_argument(
+        "--repeats", type=types.from_one, metavar="N",
+        help="runs of each sampler, with seeds of their own, for 95 %% intervals; default: 1",
+    )  # fmt: skip
+    compare.add_argument(
+        "--mask", metavar="FILE",
+        help="image, as large as the one that is rendered: pixels that are not black there count",
+    )  # fmt: skip
     _add_shared(compare, seconds=30, output="report", output_help="folder to write")
 
     info = add("info", "say what is in a scene, and what memory it takes", texts.INFO)

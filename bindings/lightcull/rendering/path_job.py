@@ -20,8 +20,9 @@ class PathJob:
         self._scene = scene.closed()
         self._renderer = _core.Renderer(
             self._scene, sampler, *settings.size, settings.max_depth, settings.seed,
-            settings.threads, settings.rr_depth, settings.direct_light,
+            settings.threads, settings.rr_depth, settings.direct_light, settings.emission_apart,
         )  # fmt: skip
+        self._emission_apart = settings.emission_apart
 
     def render_pass(self) -> None:
         """Adds one sample to every pixel. Ctrl-C drops the pass."""
@@ -41,8 +42,18 @@ class PathJob:
         """The mean of the passes so far: float32 (H, W, 3)."""
         return self._renderer.image()
 
-    def mean_counts(self) -> _core.MeanCounts:
-        """Mean cost of one selection at camera points. After the first pass."""
+    def lit(self) -> np.ndarray | None:
+        """The part of it that is not emission; None unless the settings keep that apart."""
+        return self._renderer.lit() if self._emission_apart else None
+
+    def emission(self) -> np.ndarray | None:
+        """The part of it that the camera sees of emitters directly; None as of `lit`."""
+        return self._renderer.emission() if self._emission_apart else None
+
+    def mean_counts(self) -> _core.MeanCounts | None:
+        """Mean cost of one selection at camera points; None where the sampler does not tell. After
+        the first pass.
+        """
         return self._renderer.mean_counts()
 
     def learned_view(self) -> _core.LearnedView | None:

@@ -21,6 +21,8 @@ class RenderSettings:
     threads: int
     rr_depth: int = RR_DEPTH
     direct_light: str = "mis"
+    emission_apart: bool = False
+    """Whether what the camera sees of emitters directly is kept in a film of its own."""
 
     def __post_init__(self) -> None:
         if self.direct_light not in DIRECT_LIGHT:

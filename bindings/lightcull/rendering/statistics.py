@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from .. import _core
@@ -15,16 +16,18 @@ class Stats:
     """Samples per pixel."""
     seconds: float
     """Wall time, set-up included."""
-    setup_seconds: float
+    setup_seconds: float = 0.0
     """Wall time before the first sample: the sampler's builds and pilots."""
-    selection_seconds: float
-    """Time spent choosing lights, summed over threads."""
-    selections: int
-    """How often a light was chosen."""
-    rays: int
-    """Camera, shadow and scattered rays."""
-    sampler_seconds: float
-    """Wall time of the passes that went to refits and to choosing lights."""
+    selection_seconds: float = math.nan
+    """Time spent choosing lights, summed over threads; not a number where a host does not tell."""
+    selections: int = 0
+    """How often a light was chosen; 0 where a host does not tell."""
+    rays: int = 0
+    """Camera, shadow and scattered rays; 0 where a host does not tell."""
+    sampler_seconds: float = math.nan
+    """Wall time of the passes that went to refits and to choosing lights; not a number where a host
+    does not tell.
+    """
 
     @classmethod
     def of(cls, core: _core.RenderStats, setup_seconds: float) -> Stats:

@@ -6,7 +6,7 @@ from typing import Protocol
 
 from ..sampler import check_description
 from ..scene import Scene
-from .job import CountingJob
+from .job import SubjectJob
 from .path_job import PathJob
 from .settings import RenderSettings
 
@@ -26,7 +26,7 @@ class Subject(Protocol):
 
     def new_job(
         self, sampler: str, settings: RenderSettings, spp: int | None = None
-    ) -> CountingJob:
+    ) -> SubjectJob:
         """spp: how many samples it will be asked for; None: that depends on time."""
 
     @property

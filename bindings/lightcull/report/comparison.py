@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 
-from .figures import ComparisonFigures, figures_of_reference, figures_of_runs
+from .errors import Measure, Metric
+from .figures import ComparisonFigures, figures_of_reference, figures_of_samplers
 from .runs import Learned, Reference, SamplerRun
 
 
@@ -30,12 +31,18 @@ class Comparison:
     machine: dict[str, str]
     """What ran it, for people to read: processor, compiler, versions, number of lights..."""
     reference: Reference
-    samplers: dict[str, SamplerRun]
-    """By description, in the order in which they are to be shown."""
+    samplers: dict[str, tuple[SamplerRun, ...]]
+    """The runs of each, by name, in the order in which they are to be shown: runs differ in their
+    seeds, and those of one number have the same seed.
+    """
     command: str = ""
     """Command line or Python call that made it; empty if not known."""
     interrupted: bool = False
     """Ctrl-C came before all had their time."""
+    mask: np.ndarray | None = None
+    """bool (H, W): the pixels that errors are means over; None: all."""
+    metrics: dict[str, Metric] = field(default_factory=dict)
+    """Metrics that were asked for, by name."""
 
     @cached_property
     def figures(self) -> ComparisonFigures:
@@ -49,24 +56,40 @@ class Comparison:
             seconds=self.seconds,
             command=self.command,
             machine=dict(self.machine),
+            measured="image" if self.reference.lit is None else "lit",
+            pixels=self.width * self.height if self.mask is None else int(self.mask.sum()),
             reference=figures_of_reference(self.reference),
-            samplers=figures_of_runs(self.samplers, self.reference.image),
+            samplers=figures_of_samplers(self.samplers, self.measure, self.metrics),
         )
 
+    @cached_property
+    def measure(self) -> Measure:
+        """How images are measured, and what was measured of them so far."""
+        return Measure(self.reference, self.mask)
+
     def __post_init__(self) -> None:
-        wanted = (self.height, self.width, 3)
-        images = {f"sampler {name!r}": run.image for name, run in self.samplers.items()}
-        images["the reference"] = self.reference.image
-        for owner, image in images.items():
-            if np.shape(image) != wanted:
-                raise ValueError(f"image of {owner}: shape {np.shape(image)}, expected {wanted}")
-            if not np.isfinite(image).all():
-                raise ValueError(f"image of {owner}: has pixels that are not finite")
-        for name, run in self.samplers.items():
-            if run.learned is not None:
-                _check_size(run.learned, name, wanted)
         if not self.samplers:
             raise ValueError("a comparison needs at least one sampler")
+        wanted = (self.height, self.width, 3)
+        _check_image(self.reference.halves, "the reference", (2, *wanted))
+        for name, runs in self.samplers.items():
+            if not runs:
+                raise ValueError(f"sampler {name!r}: has no run")
+            for run in runs:
+                _check_image(run.image, f"sampler {name!r}", wanted)
+                if (run.lit is None) != (self.reference.lit is None):
+                    raise ValueError(f"sampler {name!r}: lit, of it or of the reference, is missing")
+                if run.learned is not None:
+                    _check_size(run.learned, name, wanted)
+        if self.mask is not None and np.shape(self.mask) != wanted[:2]:
+            raise ValueError(f"mask: shape {np.shape(self.mask)}, expected {wanted[:2]}")
+
+
+def _check_image(image: np.ndarray, owner: str, wanted: tuple[int, ...]) -> None:
+    if np.shape(image) != wanted:
+        raise ValueError(f"image of {owner}: shape {np.shape(image)}, expected {wanted}")
+    if not np.isfinite(image).all():
+        raise ValueError(f"image of {owner}: has pixels that are not finite")
 
 
 def _check_size(learned: Learned, sampler: str, wanted: tuple[int, int, int]) -> None:

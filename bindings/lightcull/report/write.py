@@ -14,8 +14,8 @@ from .comparison import Comparison
 
 def write(comparison: Comparison, folder: str | Path) -> Path:
     """Writes index.html, report.json, report.csv, error_curves.csv, error_curves.png, of the reference
-    and of each sampler NAME.png and NAME.exr, and of those that have learned NAME_cells.png and
-    NAME_visibility.png, into `folder`, which is made if need be.
+    and of each sampler's first run NAME.png and NAME.exr, and of those that have learned
+    NAME_cells.png and NAME_visibility.png, into `folder`, which is made if need be.
 
     Returns the path of index.html.
     """
@@ -53,7 +53,7 @@ def file_stem(name: str) -> str:
 def _images(comparison: Comparison, view: str, exposure: float) -> dict[str, dict[str, bytes]]:
     reference = comparison.reference.image
     linear = {page.REFERENCE: reference}
-    linear.update({name: run.image for name, run in comparison.samplers.items()})
+    linear.update({name: runs[0].image for name, runs in comparison.samplers.items()})
     images = {
         "image": {
             name: pictures.encode_png(pictures.display(image, view, exposure))
@@ -63,16 +63,16 @@ def _images(comparison: Comparison, view: str, exposure: float) -> dict[str, dic
     for kind in pictures.ERROR_MAPS:
         images[kind.key] = {
             name: pictures.encode_png(
-                pictures.to_palette(kind, pictures.error_values(kind, run.image, reference))
+                pictures.to_palette(kind, pictures.error_values(kind, runs, comparison.measure))
             )
-            for name, run in comparison.samplers.items()
+            for name, runs in comparison.samplers.items()
         }
     return images
 
 
 def _pictures_of_learned(comparison: Comparison) -> dict[str, dict[str, bytes]]:
     """PNG files "cells" and "visibility" of each sampler that has learned."""
-    all_learned = {name: run.learned for name, run in comparison.samplers.items()}
+    all_learned = {name: runs[0].learned for name, runs in comparison.samplers.items()}
     return {
         name: {
             "cells": pictures.encode_png(pictures.cell_picture(learned.cells, learned.normals)),
@@ -91,7 +91,8 @@ def _write_exrs(comparison: Comparison, folder: Path) -> None:
         reference.image,
         metadata={**about, "sampler": reference.sampler, "spp": str(reference.spp)},
     )
-    for name, run in comparison.samplers.items():
+    for name, runs in comparison.samplers.items():
+        run = runs[0]
         write_exr(
             str(folder / f"{file_stem(name)}.exr"),
             run.image,
