@@ -24,11 +24,14 @@ from .comparing.compare import SAMPLERS, compare
 from .images import apply_view, read_image, view_names, write_exr, write_png
 from .loaders import UnsupportedWarning, example_scene, load, open_scene
 from .methods import MethodReport, compare_methods
+from .rendering.job import SubjectJob
 from .rendering.method import METHODS
+from .rendering.own_sampler import OwnSampler, SamplerLibrary
 from .rendering.progress import Progress
 from .rendering.render import render
 from .rendering.result import RenderResult
 from .rendering.statistics import Stats
+from .rendering.subject import Subject
 from .report import Comparison
 from .sampler import (
     LightSampler,
@@ -53,10 +56,14 @@ __all__ = [
     "LightSampler",
     "LightSelector",
     "MethodReport",
+    "OwnSampler",
     "Progress",
     "RenderResult",
+    "SamplerLibrary",
     "Scene",
     "Stats",
+    "Subject",
+    "SubjectJob",
     "UnsupportedWarning",
     "__version__",
     "apply_view",

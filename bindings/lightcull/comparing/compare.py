@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -15,9 +15,10 @@ from .._core import Error
 from ..output_files import check_writable
 from ..rendering.budget import Budget
 from ..rendering.job import SubjectJob
+from ..rendering.own_sampler import SamplerChoice, check_choice
 from ..rendering.progress import Progress, ProgressCallback
 from ..rendering.settings import RR_DEPTH, RenderSettings
-from ..rendering.subject import Subject, subject_of
+from ..rendering.subject import OwnSubject, Subject, subject_of
 from ..report import Comparison, Measure, Reference, SamplerRun, metrics, write
 from ..scene import Scene
 from .contender import Contender
@@ -46,7 +47,7 @@ _REFERENCE_NOISE = 0.2
 
 def compare(
     scene: Scene | Subject,
-    samplers: Sequence[str] | None = None,
+    samplers: Sequence[str] | Mapping[str, SamplerChoice] | None = None,
     *,
     seconds: float | None = None,
     spp: int | None = None,
@@ -68,7 +69,9 @@ def compare(
     The time of a sampler is that of its builds, refits, pilots and passes, equal within 3 %. The
     samplers take turns, so that a noisy machine is fair to all. With spp, each renders as many
     samples per pixel instead. samplers: descriptions as in `LightSampler`; None: uniform, power,
-    light_bvh, culled and learned. size: width and height, pixels. max_depth: longest path, in
+    light_bvh, culled and learned; or by the names under which they are shown descriptions, and
+    samplers of one's own: what makes an `OwnSampler` of the scene, as a class does, or a
+    `SamplerLibrary`. scene: a `Subject` for a whole renderer of one's own. size: width and height, pixels. max_depth: longest path, in
     edges: 2 is direct light. rr_depth, direct_light: as in `render`. threads: 0 for all.
 
     repeats: runs of each sampler, with the seeds seed, seed + 1 and so on, each for `seconds`; all
@@ -101,8 +104,7 @@ def compare(
         samplers = (*DEFAULT_SAMPLERS, subject.best_sampler)
     if not samplers:
         raise Error("samplers: wanted one at least")
-    for description in samplers:
-        subject.check_sampler(description)
+    choices = _choices(subject, samplers)
     if folder is not None:
         check_writable(folder)
     settings = RenderSettings(
@@ -110,7 +112,7 @@ def compare(
     )
     checks.whole_number("repeats", repeats, 1)
     _check_mask(mask, settings)
-    plan = _Plan(subject, tuple(dict.fromkeys(samplers)), settings, Budget(spp, seconds), repeats)
+    plan = _Plan(subject, choices, settings, Budget(spp, seconds), repeats)
     comparing = _Comparing(plan, mask, progress)
     comparing.render_reference(reference_seconds)
     comparing.run()
@@ -118,6 +120,26 @@ def compare(
     if folder is not None:
         write(result, Path(folder))
     return result
+
+
+def _choices(
+    subject: Subject, samplers: Sequence[str] | Mapping[str, SamplerChoice]
+) -> dict[str, SamplerChoice]:
+    """The samplers by name, which have been found to work."""
+    if not isinstance(samplers, Mapping):
+        for description in samplers:
+            subject.check_sampler(description)
+        return {description: description for description in samplers}
+    for name, choice in samplers.items():
+        checks.text("sampler", name)
+        check_choice(name, choice)
+        if isinstance(choice, str):
+            subject.check_sampler(choice)
+        elif isinstance(subject, OwnSubject):
+            subject.try_own(name, choice)
+        else:
+            raise Error(f"sampler {name!r}: samplers of one's own are for scenes of ours")
+    return dict(samplers)
 
 
 def _check_mask(mask: np.ndarray | None, settings: RenderSettings) -> None:
@@ -136,15 +158,19 @@ class _Plan:
     """What is to be compared."""
 
     scene: Subject
-    samplers: tuple[str, ...]
+    samplers: dict[str, SamplerChoice]
     settings: RenderSettings
     budget: Budget
     """Of a run."""
     repeats: int
 
-    def new_job(self, sampler: str, repeat: int) -> SubjectJob:
+    def new_job(self, name: str, repeat: int) -> SubjectJob:
         seed = (self.settings.seed + repeat) % (checks.MOST_64_BITS + 1)
-        return self.scene.new_job(sampler, replace(self.settings, seed=seed), self.budget.spp)
+        settings, choice = replace(self.settings, seed=seed), self.samplers[name]
+        if isinstance(choice, str):
+            return self.scene.new_job(choice, settings, self.budget.spp)
+        assert isinstance(self.scene, OwnSubject)  # as _choices() has seen
+        return self.scene.new_own_job(name, choice, settings)
 
 
 class _Comparing:
@@ -182,9 +208,9 @@ class _Comparing:
         measure = Measure(self._reference, self._mask)
         try:
             for repeat in range(self._plan.repeats):
-                for sampler in self._plan.samplers:
-                    job = self._plan.new_job(sampler, repeat)
-                    self._contenders.append(Contender(sampler, job, self._budget, measure))
+                for name in self._plan.samplers:
+                    job = self._plan.new_job(name, repeat)
+                    self._contenders.append(Contender(name, job, self._budget, measure))
             while (contender := self._next()) is not None:
                 self._give_turn(contender)
         except KeyboardInterrupt:

@@ -62,6 +62,7 @@ class Contender:
             lights_tested_per_point=math.nan if counts is None else counts.lights_tested,
             lit=self.job.lit(),
             emission=self.job.emission(),
+            own_seconds=stats.own_seconds,
             curve=list(self._curve),
             learned=_learned(self.job.learned_view()),
         )

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from .. import _core, checks
 from ..scene import Scene
 from .checkpoint import Checkpoint
+from .own_sampler import GuardedSampler, SamplerChoice, SamplerLibrary
 from .settings import RenderSettings
 from .statistics import Stats
 
@@ -14,12 +17,23 @@ from .statistics import Stats
 class PathJob:
     """A render that goes pass by pass, and its clock: set-up and passes, nothing else."""
 
-    def __init__(self, scene: Scene, sampler: str, settings: RenderSettings) -> None:
-        self.sampler = checks.text("sampler", sampler)
-        self._setup_seconds_before = 0.0
+    def __init__(
+        self, scene: Scene, sampler: SamplerChoice, settings: RenderSettings, name: str = ""
+    ) -> None:
+        """name: of a sampler of one's own, for errors."""
         self._scene = scene.closed()
+        self._own: GuardedSampler | None = None
+        chosen: str | _core.SamplerLibrary | GuardedSampler
+        if isinstance(sampler, SamplerLibrary):
+            chosen = _core.SamplerLibrary(sampler.path, sampler.description)
+        elif callable(sampler):
+            chosen = self._own = GuardedSampler(name, sampler, scene)
+        else:
+            chosen = checks.text("sampler", sampler)
+        self.sampler = chosen if isinstance(chosen, str) else name
+        self._setup_seconds_before = 0.0 if self._own is None else self._own.setup_seconds
         self._renderer = _core.Renderer(
-            self._scene, sampler, *settings.size, settings.max_depth, settings.seed,
+            self._scene, chosen, *settings.size, settings.max_depth, settings.seed,
             settings.threads, settings.rr_depth, settings.direct_light, settings.emission_apart,
         )  # fmt: skip
         self._emission_apart = settings.emission_apart
@@ -27,6 +41,8 @@ class PathJob:
     def render_pass(self) -> None:
         """Adds one sample to every pixel. Ctrl-C drops the pass."""
         self._renderer.render_pass()
+        if self._own is not None:
+            self._own.raise_error()
 
     def checkpoint(self) -> Checkpoint:
         """All that there is so far."""
@@ -65,7 +81,8 @@ class PathJob:
         return self._scene.memory_size(), self._renderer.memory_size(), 0
 
     def stats(self) -> Stats:
-        return Stats.of(self._renderer.stats(), self._setup_seconds())
+        stats = Stats.of(self._renderer.stats(), self._setup_seconds())
+        return stats if self._own is None else replace(stats, own_seconds=self._own.seconds)
 
     def _setup_seconds(self) -> float:
         return self._setup_seconds_before + self._renderer.setup_seconds()

@@ -28,6 +28,10 @@ class Stats:
     """Wall time of the passes that went to refits and to choosing lights; not a number where a host
     does not tell.
     """
+    own_seconds: float = math.nan
+    """Wall time inside the calls of a sampler of one's own, its making included, which is part of
+    `seconds`; not a number where there is none.
+    """
 
     @classmethod
     def of(cls, core: _core.RenderStats, setup_seconds: float) -> Stats:

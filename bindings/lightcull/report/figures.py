@@ -85,6 +85,8 @@ class SamplerFigures:
     """Time of a thread for one choice of a light, nanoseconds."""
     selection_share: float | None
     """The share of the passes' time that went to refits and to choosing lights, [0, 1]."""
+    own_seconds: float | None
+    """The part of `seconds` inside the calls of a sampler of one's own; None of all others."""
     rays_per_second: float | None
     """Camera, shadow and scattered rays for each second of the passes."""
     accepted_per_point: float | None
@@ -301,6 +303,7 @@ def _costs(run: SamplerRun) -> dict[str, float]:
         "setup_seconds": float(run.setup_seconds),
         "ns_per_selection": _quotient(1e9 * run.selection_seconds, run.selections),
         "selection_share": _quotient(run.sampler_seconds, passes),
+        "own_seconds": run.own_seconds,
         "rays_per_second": _quotient(run.rays or math.nan, passes),
         "accepted_per_point": run.accepted_per_point,
         "nodes_per_point": run.nodes_per_point,

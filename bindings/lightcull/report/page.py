@@ -60,6 +60,7 @@ COST_COLUMNS = (
     Column("setup_seconds", "set-up, s"),
     Column("ns_per_selection", "ns / selection", "low"),
     Column("selection_share", "selection, % of time", "low", 0.01),
+    Column("own_seconds", "in calls of one’s own, s"),
     Column("rays_per_second", "M rays / s", "high", 1e6),
     Column("accepted_per_point", "lights accepted / point"),
     Column("nodes_per_point", "nodes / point"),
@@ -95,7 +96,7 @@ def render(
             for title, columns in (
                 ("Errors and efficiency", ERROR_COLUMNS),
                 ("Errors in detail", DETAIL_COLUMNS),
-                ("Costs", COST_COLUMNS),
+                ("Costs", _shown(figures, COST_COLUMNS)),
             )
         ],
         near_floor=_near_floor(figures),
@@ -268,6 +269,12 @@ def _rows(figures: ComparisonFigures, columns: Sequence[Column]) -> list[dict[st
             cells.append({"text": text, "spread": spread, "best": best[column.key] == name})
         rows.append({"name": name, "cells": cells})
     return rows
+
+
+def _shown(figures: ComparisonFigures, columns: Sequence[Column]) -> list[Column]:
+    """Without what concerns samplers of one's own, where there are none."""
+    has_own = any(run.own_seconds is not None for run in figures.samplers.values())
+    return [column for column in columns if has_own or column.key != "own_seconds"]
 
 
 def _near_floor(figures: ComparisonFigures) -> list[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -131,6 +132,8 @@ class SamplerRun:
     """(H, W, 3) float32: the rest of `image`, what the camera sees of emitters directly, which no
     choice of lights changes.
     """
+    own_seconds: float = math.nan
+    """Time inside the calls of a sampler of one's own; not a number where there is none."""
     curve: list[Moment] = field(default_factory=list)
     """The error as the image converged."""
     learned: Learned | None = None

@@ -20,6 +20,7 @@ RUN_COLUMNS = (
     "setup_seconds",
     "ns_per_selection",
     "selection_share",
+    "own_seconds",
     "rays_per_second",
     "accepted_per_point",
     "nodes_per_point",
