@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import json
+import pydoc
+import re
 import signal
-from dataclasses import asdict
+from dataclasses import asdict, fields
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import lightcull
+from lightcull import methods, report
 from conftest import QUAD, make_room, square
 from lightcull.comparing import compare as compare_module
 from lightcull.rendering import subject as subject_module
 from lightcull.rendering.job import SubjectJob
+from lightcull.rendering.settings import RenderSettings
 from lightcull.report.metrics import relative_squared_error, relmse, relmse_of_mean
 
 SIZE = (32, 24)
@@ -136,27 +140,27 @@ def test_report(room: lightcull.Scene, tmp_path: Path) -> None:
     )
     assert (tmp_path / "report" / "index.html").is_file()
     assert (tmp_path / "report" / "report.csv").is_file()
-    report = json.loads((tmp_path / "report" / "report.json").read_text())
+    content = json.loads((tmp_path / "report" / "report.json").read_text())
     assert {"scene", "width", "height", "max_depth", "threads", "reference", "samplers"} <= set(
-        report
+        content
     )
-    assert set(report["reference"]) == {"sampler", "spp", "relmse_of_itself"}
-    assert list(report["samplers"]) == ["uniform", "culled"]
+    assert set(content["reference"]) == {"sampler", "spp", "relmse_of_itself"}
+    assert list(content["samplers"]) == ["uniform", "culled"]
     assert {
         "spp", "seconds", "setup_seconds", "ns_per_selection", "rays_per_second",
         "accepted_per_point", "rmse", "relmse", "flip", "relmse_blurred", "efficiency",
         "ratio_to_uniform", "ratio_to_light_bvh", "error_curve",
-    } <= set(report["samplers"]["culled"])  # fmt: skip
-    assert (report["scene"], report["width"], report["height"]) == ("room", 32, 24)
-    assert report["samplers"]["culled"]["spp"] == 4
-    assert report["samplers"]["uniform"]["ratio_to_uniform"] == 1
+    } <= set(content["samplers"]["culled"])  # fmt: skip
+    assert (content["scene"], content["width"], content["height"]) == ("room", 32, 24)
+    assert content["samplers"]["culled"]["spp"] == 4
+    assert content["samplers"]["uniform"]["ratio_to_uniform"] == 1
     assert set(stages) == {"reference", "uniform", "culled"}
-    assert json.loads(json.dumps(asdict(result.figures))) == report
+    assert json.loads(json.dumps(asdict(result.figures))) == content
     (culled,) = result.samplers["culled"]
     assert culled.curve[-1].seconds == culled.seconds
     assert culled.curve[-1].relmse == result.figures.samplers["culled"].relmse
     measured = relmse(culled.lit, result.reference.lit_image)
-    assert report["samplers"]["culled"]["relmse_measured"] == pytest.approx(measured)
+    assert content["samplers"]["culled"]["relmse_measured"] == pytest.approx(measured)
 
 
 def test_what_was_learned_is_reported(room: lightcull.Scene, tmp_path: Path) -> None:
@@ -379,3 +383,123 @@ def test_ctrl_c_while_the_reference_is_rendered(room: lightcull.Scene) -> None:
             )
     finally:
         signal.signal(signal.SIGINT, before)
+
+
+def signed(image: np.ndarray, reference: np.ndarray) -> np.ndarray:
+    return (image - reference).mean(axis=2)
+
+
+def brightness(image: np.ndarray, reference: np.ndarray) -> float:
+    return float(image.mean() / reference.mean())
+
+
+def test_metrics_by_name_and_function(room: lightcull.Scene, tmp_path: Path) -> None:
+    names = ["mape", "smape", "flip", "signed", "brightness"]
+    metrics = ["mape", "smape", "flip", signed, brightness]
+    mask = np.arange(SIZE[0] * SIZE[1]).reshape(SIZE[::-1]) % 3 == 0
+    options = {"metrics": metrics, "repeats": 2, "mask": mask, "folder": tmp_path, **QUICK}
+    result = lightcull.compare(room, ["culled"], **options)
+    found = result.figures.samplers["culled"].metrics
+    assert list(found) == names
+    runs, reference = result.samplers["culled"], result.reference.lit_image
+    expected = np.mean([(run.lit - reference)[mask].mean() for run in runs])
+    assert found["signed"].value == pytest.approx(expected, rel=1e-4)
+    ratios = [run.lit.mean() / reference.mean() for run in runs]
+    assert found["brightness"].value == pytest.approx(np.mean(ratios), rel=1e-5)
+    assert found["brightness"].low < found["brightness"].value < found["brightness"].high
+    assert found["flip"].value == pytest.approx(result.figures.samplers["culled"].flip)
+
+    error = result.error_map("culled", signed)
+    np.testing.assert_allclose(error, np.mean([run.lit for run in runs], axis=0).mean(axis=2)
+                               - reference.mean(axis=2), atol=1e-5)  # fmt: skip
+    kept = lightcull.read_image(tmp_path / "culled_metric_signed.exr")
+    assert np.array_equal(kept[..., 0], error)
+    default = lightcull.read_image(tmp_path / "culled_error.exr")[..., 1]
+    np.testing.assert_allclose(default, result.error_map("culled"), rtol=1e-6)
+    header = (tmp_path / "report.csv").read_text().splitlines()[0].split(",")
+    assert {"metric_mape", "metric_mape_low", "metric_signed_high", "relmse_low"} <= set(header)
+    assert len(set(header)) == len(header)
+    for wrong, kind, message in [
+        (["rsme"], lightcull.Error, "metrics: 'rsme' is unknown; there are relmse, mape, smape"),
+        ([3], TypeError, "metrics: wanted names and functions, got 3"),
+        (["mape", "mape"], lightcull.Error, "metrics: there are two of the name 'mape'"),
+        ([lambda image, reference: image[0]], lightcull.Error, r"<lambda> gave an array of shape"),
+    ]:
+        with pytest.raises(kind, match=message):
+            lightcull.compare(room, ["culled"], metrics=wrong, **QUICK)
+
+
+def test_mape_and_smape_are_what_they_say() -> None:
+    """Reference 1 and 3, mean 2: denominators 1.02 and 3.02, and 1.5 + 1.02 and 2 + 3.02."""
+    reference = np.repeat(np.float32([[1.0], [3.0]])[..., None], 3, axis=2)
+    image = np.repeat(np.float32([[1.5], [2.0]])[..., None], 3, axis=2)
+    mape, smape = (lightcull.report.METRICS[name](image, reference) for name in ("mape", "smape"))
+    np.testing.assert_allclose(mape[:, 0, 0], [0.5 / 1.02, 1 / 3.02])
+    np.testing.assert_allclose(smape[:, 0, 0], [2 * 0.5 / 2.52, 2 / 5.02])
+
+
+def test_curves_are_arrays(room: lightcull.Scene) -> None:
+    result = lightcull.compare(room, ["culled"], repeats=2, **QUICK)
+    curve = result.curve("culled")
+    assert curve.dtype.names == ("spp", "seconds", "relmse", "low", "high")
+    assert curve["spp"].tolist() == [1, 2, 3, 4]
+    assert curve["relmse"][-1] == pytest.approx(result.figures.samplers["culled"].relmse)
+    assert np.all(curve["low"] < curve["relmse"]) and np.all(curve["relmse"] < curve["high"])
+    alone = lightcull.compare(room, ["culled"], **QUICK).curve("culled")
+    assert np.isnan(alone["low"]).all()
+    for call in (result.curve, result.error_map):
+        with pytest.raises(lightcull.Error, match="sampler 'cold': there are culled"):
+            call("cold")
+
+
+def test_slices_are_the_samples_of_parts(room: lightcull.Scene, tmp_path: Path) -> None:
+    """Their mean is the image, and each is of its passes alone."""
+    options = {"spp": 6, "size": SIZE, "repeats": 2, "folder": tmp_path}
+    result = lightcull.compare(room, ["culled"], slices=3, **options)
+    for number, run in enumerate(result.samplers["culled"], 1):
+        assert [part.spp for part in run.slices] == [2, 2, 2]
+        mean = np.mean([part.image for part in run.slices], axis=0)
+        np.testing.assert_allclose(mean, run.image, atol=1e-5)
+        first = lightcull.render(make_room(), "culled", spp=2, size=SIZE, seed=number - 1).image
+        np.testing.assert_allclose(run.slices[0].image, first, atol=1e-6)
+        assert not np.allclose(run.slices[1].image, first)
+        assert run.slices[-1].seconds == run.seconds
+        kept = lightcull.read_image(tmp_path / f"culled_run{number}_slice2.exr")
+        assert np.array_equal(kept, run.slices[1].image)
+    uneven = lightcull.compare(room, ["culled"], slices=4, **options).samplers["culled"][0]
+    assert sum(part.spp for part in uneven.slices) == 6
+    assert not lightcull.compare(room, ["culled"], **QUICK).samplers["culled"][0].slices
+
+
+@pytest.mark.parametrize(
+    ("names", "message"),
+    [
+        (["reference"], "sampler 'reference': its files would be those of the reference"),
+        (["a/b", "a b"], "sampler 'a b': its files would be those of sampler 'a/b'"),
+        ([""], "sampler '': files cannot be called so"),
+        (["x" * 121], "files cannot be called so"),
+    ],
+)
+def test_names_that_files_cannot_have_are_refused(
+    room: lightcull.Scene, names: list[str], message: str
+) -> None:
+    with pytest.raises(lightcull.Error, match=message):
+        lightcull.compare(room, dict.fromkeys(names, "culled"), **QUICK)
+
+
+@pytest.mark.parametrize(
+    "record",
+    [
+        lightcull.Stats, lightcull.RenderResult, lightcull.Comparison, lightcull.MethodReport,
+        lightcull.Progress, methods.Study, methods.Table, methods.Picture,
+        report.ComparisonFigures, report.SamplerFigures, report.ReferenceFigures,
+        report.LearnedFigures, report.CurvePoint, report.MetricFigures, report.Reference,
+        report.SamplerRun, report.Learned, report.Moment, report.Slice, report.Measure,
+        RenderSettings,
+    ],
+)  # fmt: skip
+def test_help_documents_every_field(record: type) -> None:
+    text = pydoc.render_doc(record, renderer=pydoc.plaintext)
+    for field in fields(record):
+        if not field.name.startswith("_"):
+            assert re.search(rf"^ \|  {field.name}: \S.{{3,}}", text, re.M), field.name

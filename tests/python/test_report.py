@@ -27,7 +27,7 @@ SAMPLER_KEYS = {
     "efficiency", "ratio_to_uniform", "ratio_to_light_bvh", "error_curve", "relmse_blurred31",
     "selection_share", "ratio_to_uniform_blurred", "ratio_to_light_bvh_blurred", "learned",
     "repeats", "relmse_measured", "relmse_median", "relmse_trimmed", "variance", "bias",
-    "relmse_image", "relmse_emission", "metrics", "intervals",
+    "relmse_image", "relmse_emission", "metrics", "intervals", "own_seconds",
 }  # fmt: skip
 """What scripts read."""
 
@@ -643,9 +643,8 @@ def cells_of(text: str, sampler: str) -> dict[str, tuple[bool, str]]:
     """By column: whether the value is marked as the best, and its text."""
     rows = [row for row in text.split("<tr>") if f'name">{sampler}' in row]
     cells = {}
-    for row, columns in zip(
-        rows, (page.ERROR_COLUMNS, page.DETAIL_COLUMNS, page.COST_COLUMNS), strict=True
-    ):
+    costs = [column for column in page.COST_COLUMNS if column.key != "own_seconds"]
+    for row, columns in zip(rows, (page.ERROR_COLUMNS, page.DETAIL_COLUMNS, costs), strict=True):
         found = re.findall(r'<td( class="best")?>(.*?)</td>', row)[1:]
         for column, (best, cell) in zip(columns, found, strict=True):
             cells[column.key] = bool(best), cell
@@ -654,7 +653,7 @@ def cells_of(text: str, sampler: str) -> dict[str, tuple[bool, str]]:
 
 def test_page_has_every_figure(page_text: str) -> None:
     cells = cells_of(page_text, "culled:sets=16")
-    assert set(cells) == set(tables.RUN_COLUMNS) - {"repeats"}
+    assert set(cells) == set(tables.RUN_COLUMNS) - {"repeats", "own_seconds"}
     assert cells["selection_share"][1] == page.significant(100 / 3, 2)
 
 
@@ -724,6 +723,34 @@ def test_plot_has_a_curve_for_each_sampler() -> None:
         assert f">{text}<" in svg
     for color in plots.sampler_colors(list(result.samplers)).values():
         assert color in svg
+
+
+def test_long_names_leave_room_for_the_curves() -> None:
+    name = "learned:rounds=96:memory=64:accepted=32"
+    assert plots.shortened(name) == "learned:roun…:accepted=32"
+    assert plots.shortened("light_bvh:importance=mean") == "light_bvh:importance=mean"
+    figures = make_comparison(**{name: make_run(0.1)}).figures
+    svg = plots.to_svg(plots.error_against_time(figures))
+    assert ">learned:roun…:accepted=32<" in svg and name not in svg
+
+
+def test_a_headline_names_few_rivals() -> None:
+    runs = {name: make_runs([0.1, 0.12, 0.11]) for name in "abcd"}
+    assert " and 3 others do not differ in efficiency beyond chance" in page_of(make_comparison(**runs))
+
+
+def test_metrics_that_were_asked_for_have_columns() -> None:
+    """Less is the best of those that are known; of functions nothing is."""
+    def darker(image: np.ndarray, reference: np.ndarray) -> np.ndarray:
+        return reference - image
+
+    result = make_comparison(a=make_runs([0.1, 0.12, 0.11]), b=make_runs([0.3, 0.31, 0.29]))
+    result.metrics = {"mape": report.METRICS["mape"], "darker": darker}
+    text = page_of(result)
+    (row,) = [row for row in text.split("<tr>") if 'name">a<' in row and "FLIP" not in row][1:2]
+    *_, mape, other = re.findall(r'<td( class="best")?>', row)
+    assert mape and not other
+    assert "<th>mape</th><th>darker</th>" in text
 
 
 def test_sampler_colors_differ() -> None:

@@ -31,6 +31,8 @@ def run(options: CompareOptions, messages: Console) -> bool:
             reference_seconds=options.reference_seconds,
             repeats=options.repeats,
             mask=options.mask,
+            metrics=options.metrics,
+            slices=options.slices,
             folder=options.folder,
             command=options.command,
             progress=bars,

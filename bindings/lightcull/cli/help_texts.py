@@ -86,7 +86,7 @@ report.csv and the images.
 With --methods each method renders for --seconds, and then virtual lights are counted and timed from
 1,024 light paths to --most-lights: stochastic tiled lighting against constant ranges, spheroids
 against spheres, tiles against splatting, imperfect shadow maps, the lighting grid hierarchy. The folder gets index.html,
-methods.json and the images."""
+report.json, a CSV file for each table and the images."""
 
 BENCH = """\
 examples:

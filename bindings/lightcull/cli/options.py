@@ -67,6 +67,8 @@ class CompareOptions:
     reference_seconds: float | None
     repeats: int
     mask: np.ndarray | None
+    metrics: tuple[str, ...]
+    slices: int
     folder: Path
     command: str
 
@@ -194,6 +196,8 @@ def _compare(parsed: argparse.Namespace, command: str) -> CompareOptions | Compa
         reference_seconds=parsed.reference_seconds,
         repeats=parsed.repeats or 1,
         mask=_mask(parsed.mask, size),
+        metrics=tuple(parsed.metrics or ()),
+        slices=parsed.slices or 0,
         folder=folder,
         command=command,
     )
@@ -216,7 +220,7 @@ def _compare_methods(parsed: argparse.Namespace, command: str) -> CompareMethods
     folder = _report_folder(parsed)
     if parsed.spp is not None:
         raise Error("--spp: methods are compared in equal time, give --seconds")
-    for name in ("samplers", "reference_seconds", "rr_depth", "direct_light", "repeats", "mask"):
+    for name in _OF_SAMPLERS:
         if getattr(parsed, name) is not None:
             raise Error(f"--{name.replace('_', '-')}: not with --methods")
     scene, size, max_depth = open_any(parsed, BOUNCED_DEPTH)
@@ -234,6 +238,11 @@ def _compare_methods(parsed: argparse.Namespace, command: str) -> CompareMethods
         folder=folder,
         command=command,
     )
+
+
+_OF_SAMPLERS = ("samplers", "reference_seconds", "rr_depth", "direct_light", "repeats", "mask",
+                "metrics", "slices")  # fmt: skip
+"""Options of a comparison of samplers alone."""
 
 
 def _report_folder(parsed: argparse.Namespace) -> Path:

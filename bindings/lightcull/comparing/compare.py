@@ -19,7 +19,10 @@ from ..rendering.own_sampler import SamplerChoice, check_choice
 from ..rendering.progress import Progress, ProgressCallback
 from ..rendering.settings import RR_DEPTH, RenderSettings
 from ..rendering.subject import OwnSubject, Subject, subject_of
-from ..report import Comparison, Measure, Reference, SamplerRun, metrics, write
+from ..report import Comparison, Measure, Metric, Reference, SamplerRun, write
+from ..report.errors import metrics_by_name
+from ..report.metrics import relmse
+from ..report.write import check_names
 from ..scene import Scene
 from .contender import Contender
 from .reference import ReferenceOrder, reference_for
@@ -60,6 +63,8 @@ def compare(
     direct_light: str = "mis",
     reference_seconds: float | None = None,
     mask: np.ndarray | None = None,
+    metrics: Sequence[str | Metric] = (),
+    slices: int = 0,
     folder: str | os.PathLike[str] | None = None,
     command: str = "",
     progress: ProgressCallback | None = None,
@@ -83,6 +88,11 @@ def compare(
     the same whatever samples lights, is kept apart, and its error is shown beside, as the floor
     that all share. mask: bool (height, width), True for the pixels that errors are means over.
 
+    metrics: errors that are taken besides, by name (relmse, mape, smape, flip: as published, with
+    the noise of the reference in them) or as functions of an image and the reference, float32
+    (height, width, 3), that give an error map or a number. slices: parts into which the samples of
+    each run are kept besides, as raw images, each of an equal share of its time; 0: none.
+
     The reference is rendered by `learned` (by `culled` where glossy virtual lights are among the
     lights), with seeds of its own, and kept in $XDG_CACHE_HOME/lightcull (or ~/.cache/lightcull).
     reference_seconds: its wall time; without it, 8 times what each run has. Its own noise, known
@@ -105,15 +115,20 @@ def compare(
     if not samplers:
         raise Error("samplers: wanted one at least")
     choices = _choices(subject, samplers)
+    check_names(tuple(choices))
     if folder is not None:
         check_writable(folder)
     settings = RenderSettings(
         size, max_depth, seed, threads, rr_depth, direct_light, emission_apart=True
     )
     checks.whole_number("repeats", repeats, 1)
+    checks.whole_number("slices", slices)
     _check_mask(mask, settings)
-    plan = _Plan(subject, choices, settings, Budget(spp, seconds), repeats)
-    comparing = _Comparing(plan, mask, progress)
+    plan = _Plan(
+        subject, choices, settings, Budget(spp, seconds), repeats, mask,
+        metrics_by_name(metrics, settings.size), slices,
+    )  # fmt: skip
+    comparing = _Comparing(plan, progress)
     comparing.render_reference(reference_seconds)
     comparing.run()
     result = comparing.result(command)
@@ -163,6 +178,9 @@ class _Plan:
     budget: Budget
     """Of a run."""
     repeats: int
+    mask: np.ndarray | None
+    metrics: dict[str, Metric]
+    slices: int
 
     def new_job(self, name: str, repeat: int) -> SubjectJob:
         seed = (self.settings.seed + repeat) % (checks.MOST_64_BITS + 1)
@@ -176,12 +194,9 @@ class _Plan:
 class _Comparing:
     """A comparison under way."""
 
-    def __init__(
-        self, plan: _Plan, mask: np.ndarray | None, progress: ProgressCallback | None
-    ) -> None:
+    def __init__(self, plan: _Plan, progress: ProgressCallback | None) -> None:
         self._plan = plan
         self._budget = plan.budget
-        self._mask = mask
         self._progress = progress
         self._reference: Reference
         self._contenders: list[Contender] = []
@@ -205,12 +220,15 @@ class _Comparing:
 
     def run(self) -> None:
         """Renders in turns: always the run that has had the least."""
-        measure = Measure(self._reference, self._mask)
+        plan = self._plan
+        measure = Measure(self._reference, plan.mask)
         try:
-            for repeat in range(self._plan.repeats):
-                for name in self._plan.samplers:
-                    job = self._plan.new_job(name, repeat)
-                    self._contenders.append(Contender(name, job, self._budget, measure))
+            for repeat in range(plan.repeats):
+                for name in plan.samplers:
+                    job = plan.new_job(name, repeat)
+                    self._contenders.append(
+                        Contender(name, job, self._budget, measure, plan.slices)
+                    )
             while (contender := self._next()) is not None:
                 self._give_turn(contender)
         except KeyboardInterrupt:
@@ -240,7 +258,8 @@ class _Comparing:
             samplers={name: tuple(of_sampler) for name, of_sampler in runs.items()},
             command=command,
             interrupted=self._interrupted,
-            mask=self._mask,
+            mask=plan.mask,
+            metrics=plan.metrics,
         )
         _check_noise(comparison)
         return comparison
@@ -293,7 +312,7 @@ def _check_noise(comparison: Comparison) -> None:
     """Warns where the reference's own noise is a good part of what is measured."""
     reference = comparison.reference.lit_image
     errors = {
-        name: metrics.relmse(runs[0].lit_image, reference)
+        name: relmse(runs[0].lit_image, reference)
         for name, runs in comparison.samplers.items()
     }
     name = min(errors, key=lambda name: errors[name])

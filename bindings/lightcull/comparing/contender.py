@@ -9,6 +9,7 @@ import numpy as np
 from ..rendering.budget import Budget
 from ..rendering.job import LearnedView, SubjectJob
 from ..report import Learned, Measure, Moment, SamplerRun
+from .slicer import Slicer
 
 _MOMENT_RATIO = 1.3
 """Between the samples at which the error is taken and the next."""
@@ -17,14 +18,17 @@ _MOMENT_RATIO = 1.3
 class Contender:
     """A sampler under test with one seed: its render, and the error so far."""
 
-    def __init__(self, name: str, job: SubjectJob, budget: Budget, measure: Measure) -> None:
-        """name: of the sampler, as it is shown."""
+    def __init__(
+        self, name: str, job: SubjectJob, budget: Budget, measure: Measure, slices: int = 0
+    ) -> None:
+        """name: of the sampler, as it is shown. slices: in how many its samples are kept, too."""
         self.name = name
         self.job = job
         self._budget = budget
         self._measure = measure
         self._curve: list[Moment] = []
         self._next_spp = 0
+        self._slices = Slicer(budget.total, slices)
 
     @property
     def used(self) -> float:
@@ -40,11 +44,13 @@ class Contender:
         self.job.render_pass()
         if self.job.stats().spp >= self._next_spp:
             self._take_error()
+        self._slices.after_pass(self.job, self.used)
 
     def finish(self) -> None:
         """Takes the error at the end."""
         if self._curve and self.job.stats().spp > self._curve[-1].spp:
             self._take_error()
+        self._slices.finish(self.job)
 
     def result(self) -> SamplerRun:
         stats, counts = self.job.stats(), self.job.mean_counts()
@@ -65,6 +71,7 @@ class Contender:
             own_seconds=stats.own_seconds,
             curve=list(self._curve),
             learned=_learned(self.job.learned_view()),
+            slices=self._slices.found,
         )
 
     def _take_error(self) -> None:

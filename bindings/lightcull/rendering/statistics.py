@@ -6,8 +6,10 @@ import math
 from dataclasses import dataclass
 
 from .. import _core
+from ..field_docs import with_field_docs
 
 
+@with_field_docs
 @dataclass(frozen=True)
 class Stats:
     """What a render took."""

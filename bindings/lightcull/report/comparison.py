@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import astuple, dataclass, field, fields
 from functools import cached_property
 
 import numpy as np
 
-from .errors import Measure, Metric
-from .figures import ComparisonFigures, figures_of_reference, figures_of_samplers
+from .._core import Error
+from ..field_docs import with_field_docs
+from .errors import Measure, Metric, metrics_by_name
+from .figures import ComparisonFigures, CurvePoint, figures_of_reference, figures_of_samplers
 from .runs import Learned, Reference, SamplerRun
 
 
+@with_field_docs
 @dataclass
 class Comparison:
     """Samplers that rendered one scene, each for the same time."""
@@ -25,12 +28,13 @@ class Comparison:
     max_depth: int
     """Longest path, in edges: 2 is direct light only."""
     threads: int
-    """Threads that each sampler had."""
+    """Threads that each run had."""
     seconds: float
-    """Time that each sampler was to have."""
+    """Time that each run was to have."""
     machine: dict[str, str]
     """What ran it, for people to read: processor, compiler, versions, number of lights..."""
     reference: Reference
+    """The image that samplers are measured against."""
     samplers: dict[str, tuple[SamplerRun, ...]]
     """The runs of each, by name, in the order in which they are to be shown: runs differ in their
     seeds, and those of one number have the same seed.
@@ -66,6 +70,31 @@ class Comparison:
     def measure(self) -> Measure:
         """How images are measured, and what was measured of them so far."""
         return Measure(self.reference, self.mask)
+
+    def error_map(self, sampler: str, metric: str | Metric = "relmse") -> np.ndarray:
+        """Errors by pixel of a sampler, the mean over its runs: float32 (H, W), with the noise of the
+        reference in them. The mask is not applied.
+
+        metric: one of `lightcull.report.METRICS` by name, or a function like them.
+        """
+        if sampler not in self.samplers:
+            raise Error(f"sampler {sampler!r}: there are {', '.join(self.samplers)}")
+        size = (self.width, self.height)
+        ((_, chosen),) = metrics_by_name([metric], size).items()
+        maps = [self.measure.map_by(chosen, run) for run in self.samplers[sampler]]
+        return np.asarray(np.mean(maps, axis=0), np.float32)
+
+    def curve(self, sampler: str) -> np.ndarray:
+        """The error of a sampler as the image converged: float64 (N,), with the fields of
+        `lightcull.report.CurvePoint`, spp, seconds, relmse, low and high; not a number where there
+        is none.
+        """
+        if sampler not in self.samplers:
+            raise Error(f"sampler {sampler!r}: there are {', '.join(self.samplers)}")
+        points = self.figures.samplers[sampler].error_curve
+        dtype = [(field.name, np.float64) for field in fields(CurvePoint)]
+        rows = [tuple(np.nan if x is None else x for x in astuple(point)) for point in points]
+        return np.array(rows, dtype)
 
     def __post_init__(self) -> None:
         if not self.samplers:

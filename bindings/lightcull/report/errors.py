@@ -9,6 +9,8 @@ from typing import TypeAlias
 
 import numpy as np
 
+from .._core import Error
+from ..field_docs import with_field_docs
 from . import metrics
 from .runs import Reference, SamplerRun
 
@@ -25,11 +27,48 @@ METRICS: Mapping[str, Metric] = {
 """Metrics by name: as published, with the noise of the reference in them."""
 
 
+def metrics_by_name(
+    wanted: Sequence[str | Metric], size: tuple[int, int]
+) -> dict[str, Metric]:
+    """Metrics by their names, those of functions being theirs. Each has been found to work for images
+    of this size (width, height).
+    """
+    found: dict[str, Metric] = {}
+    width, height = size
+    grey = np.full((height, width, 3), 0.5, np.float32)
+    for metric in wanted:
+        if isinstance(metric, str) and metric not in METRICS:
+            raise Error(f"metrics: {metric!r} is unknown; there are {', '.join(METRICS)}")
+        if not isinstance(metric, str) and not callable(metric):
+            raise TypeError(f"metrics: wanted names and functions, got {metric!r}")
+        name = metric if isinstance(metric, str) else getattr(metric, "__name__", repr(metric))
+        if name in found:
+            raise Error(f"metrics: there are two of the name {name!r}")
+        found[name] = METRICS[metric] if isinstance(metric, str) else metric
+        as_map(name, found[name](grey, grey), (height, width))
+    return found
+
+
+def as_map(name: str, error: np.ndarray | float, shape: tuple[int, int]) -> np.ndarray:
+    """What a metric gave as an error map, (H, W): the mean over channels; a number everywhere."""
+    values = np.asarray(error, np.float64)
+    if values.ndim == 3 and values.shape[:2] == shape:
+        values = values.mean(axis=2)
+    if values.shape not in ((), shape):
+        raise Error(
+            f"metrics: {name} gave an array of shape {values.shape}, wanted {shape}, "
+            "with channels or without, or a number"
+        )
+    return np.broadcast_to(values, shape)
+
+
+@with_field_docs
 @dataclass(frozen=True)
 class Measure:
     """How images are measured against a reference."""
 
     reference: Reference
+    """Against which."""
     mask: np.ndarray | None = None
     """bool (H, W): the pixels that count; None: all."""
     _flip_maps: dict[int, np.ndarray] = field(default_factory=dict, compare=False, repr=False)
@@ -85,16 +124,9 @@ class Measure:
         """The error map by a metric, (H, W); of one that gives no map, that value everywhere."""
         if metric is metrics.flip_map:
             return self.flip_map(run)
+        error = metric(run.lit_image, self.reference.lit_image)
         height, width = run.image.shape[:2]
-        values = np.asarray(metric(run.lit_image, self.reference.lit_image), np.float64)
-        if values.ndim == 3 and values.shape[:2] == (height, width):
-            values = values.mean(axis=2)
-        if values.shape not in ((), (height, width)):
-            name = getattr(metric, "__name__", "metric")
-            raise ValueError(
-                f"metric {name}: gave shape {values.shape}, wanted {(height, width)} or a number"
-            )
-        return np.broadcast_to(values, (height, width))
+        return as_map(getattr(metric, "__name__", repr(metric)), error, (height, width))
 
     def bias(self, runs: Sequence[np.ndarray]) -> float:
         """Relative squared bias of the mean of so many images as there could be, from two or more

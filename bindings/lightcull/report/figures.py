@@ -13,6 +13,7 @@ from functools import partial
 
 import numpy as np
 
+from ..field_docs import with_field_docs
 from . import intervals
 from .errors import Measure, Metric
 from .intervals import Interval
@@ -22,6 +23,7 @@ _BASELINES = ("uniform", "light_bvh")
 """The samplers whose efficiency divides that of the others."""
 
 
+@with_field_docs
 @dataclass(frozen=True)
 class LearnedFigures:
     """What a sampler has learned came to, and the light whose visibility is shown."""
@@ -36,13 +38,15 @@ class LearnedFigures:
     """Metres."""
 
 
+@with_field_docs
 @dataclass(frozen=True)
 class CurvePoint:
     """A point of an error curve: means over the repeats at a number of samples per pixel."""
 
     spp: float
+    """Samples per pixel by then."""
     seconds: float
-    """Render time, set-up included."""
+    """Render time by then, set-up included."""
     relmse: float | None
     """As `SamplerFigures.relmse`."""
     low: float | None = None
@@ -51,6 +55,7 @@ class CurvePoint:
     """The upper end."""
 
 
+@with_field_docs
 @dataclass(frozen=True)
 class MetricFigures:
     """An error by a metric that was asked for."""
@@ -63,6 +68,7 @@ class MetricFigures:
     """The upper end."""
 
 
+@with_field_docs
 @dataclass(frozen=True)
 class SamplerFigures:
     """What one sampler came to: means over its repeats, which differ in their seeds.
@@ -145,6 +151,7 @@ class SamplerFigures:
     """
 
 
+@with_field_docs
 @dataclass(frozen=True)
 class ReferenceFigures:
     """The image that samplers were measured against."""
@@ -157,18 +164,27 @@ class ReferenceFigures:
     """Estimate of its own relMSE, which is taken off the errors of samplers."""
 
 
+@with_field_docs
 @dataclass(frozen=True)
 class ComparisonFigures:
-    """The content of report.json. What is not said here is as in `Comparison`."""
+    """The content of report.json."""
 
     scene: str
+    """Name or path of the scene."""
     width: int
+    """Pixels."""
     height: int
+    """Pixels."""
     max_depth: int
+    """Longest path, in edges: 2 is direct light only."""
     threads: int
+    """Threads that each run had."""
     seconds: float
+    """Time that each run was to have."""
     command: str
+    """Command line or Python call that made it; empty if not known."""
     machine: dict[str, str]
+    """What ran it, for people to read."""
     measured: str
     """What errors are of: "lit", the light that falls on surfaces, emission that the camera sees
     directly being left out; or "image", all of it, where a renderer does not keep that apart.
@@ -176,8 +192,9 @@ class ComparisonFigures:
     pixels: int
     """Pixels that errors are means over: those of the mask, or all."""
     reference: ReferenceFigures
+    """The image that samplers were measured against."""
     samplers: dict[str, SamplerFigures]
-    """By name."""
+    """The figures of each, by name."""
 
 
 def figures_of_reference(reference: Reference) -> ReferenceFigures:

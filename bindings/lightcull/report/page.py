@@ -12,12 +12,17 @@ from typing import Any
 import jinja2
 
 from . import pictures, plots
+from .errors import METRICS
 from .figures import ComparisonFigures, SamplerFigures
 from .intervals import Interval
 
 REFERENCE = "reference"
 _FLOORS_ABOVE = 2
 """Noises of the reference that an error that is sure of itself is large."""
+_NAMED = 2
+"""Samplers that a headline names besides the best, at most."""
+_METRIC = "metric "
+"""Before the name of a metric that was asked for, as the key of its column."""
 NARROW, THIN = "\u202f", "\u2009"
 
 
@@ -95,7 +100,7 @@ def render(
             {"title": title, "columns": columns, "rows": _rows(figures, columns)}
             for title, columns in (
                 ("Errors and efficiency", ERROR_COLUMNS),
-                ("Errors in detail", DETAIL_COLUMNS),
+                ("Errors in detail", (*DETAIL_COLUMNS, *_asked_for(figures))),
                 ("Costs", _shown(figures, COST_COLUMNS)),
             )
         ],
@@ -174,8 +179,8 @@ def known(value: float | None, interval: Interval | None) -> tuple[str, str]:
 
 def _known(run: SamplerFigures, key: str, unit: float = 1.0) -> tuple[str, str]:
     """The text of a figure, and that of its interval."""
-    value, interval = getattr(run, key), run.intervals.get(key)
-    if key == "spp" and interval is None:  # counted, and surely so
+    value, interval = _figure(run, key)
+    if key == "spp" and interval is None and value is not None:  # counted, and surely so
         interval = (value, value)
     return known(
         None if value is None else value / unit,
@@ -212,7 +217,8 @@ def _headline(figures: ComparisonFigures) -> str:
         return best
     if run.repeats > 1 and not _is_apart(figures, "efficiency", best):
         rivals = [name for name in others if not _part(figures, "efficiency", best, name)]
-        return f"{best} and {' and '.join(rivals)} do not differ in efficiency beyond chance"
+        others_text = " and ".join(rivals) if len(rivals) <= _NAMED else f"{len(rivals)} others"
+        return f"{best} and {others_text} do not differ in efficiency beyond chance"
     gains = [
         f"{significant(ratio, 2)} times" + _range(run, f"ratio_to_{baseline}") + f" {baseline}"
         for baseline in ("uniform", "light_bvh")
@@ -234,7 +240,7 @@ def _range(run: SamplerFigures, key: str) -> str:
 
 def _part(figures: ComparisonFigures, key: str, one: str, other: str) -> bool:
     """Whether the 95 % intervals of a figure of two samplers have nothing in common."""
-    a, b = (figures.samplers[name].intervals.get(key) for name in (one, other))
+    a, b = (_figure(figures.samplers[name], key)[1] for name in (one, other))
     return a is not None and b is not None and (a[1] < b[0] or b[1] < a[0])
 
 
@@ -243,13 +249,13 @@ def _is_apart(figures: ComparisonFigures, key: str, name: str) -> bool:
     return all(
         _part(figures, key, name, other)
         for other, run in figures.samplers.items()
-        if other != name and getattr(run, key) is not None
+        if other != name and _figure(run, key)[0] is not None
     )
 
 
 def _best(figures: ComparisonFigures, column: Column) -> str | None:
     """The sampler whose figure is the best, where that is more than chance."""
-    values = {name: getattr(run, column.key) for name, run in figures.samplers.items()}
+    values = {name: _figure(run, column.key)[0] for name, run in figures.samplers.items()}
     there = {name: value for name, value in values.items() if value is not None}
     if not column.better or len(there) < 2:
         return None
@@ -269,6 +275,22 @@ def _rows(figures: ComparisonFigures, columns: Sequence[Column]) -> list[dict[st
             cells.append({"text": text, "spread": spread, "best": best[column.key] == name})
         rows.append({"name": name, "cells": cells})
     return rows
+
+
+def _asked_for(figures: ComparisonFigures) -> list[Column]:
+    """Columns of the metrics that were asked for. Of functions nobody knows what is better."""
+    names = dict.fromkeys(name for run in figures.samplers.values() for name in run.metrics)
+    return [Column(f"{_METRIC}{name}", name, "low" if name in METRICS else "") for name in names]
+
+
+def _figure(run: SamplerFigures, key: str) -> tuple[float | None, Interval | None]:
+    """A figure, or a metric that was asked for, and its interval."""
+    if not key.startswith(_METRIC):
+        return getattr(run, key), run.intervals.get(key)
+    metric = run.metrics[key.removeprefix(_METRIC)]
+    if metric.low is None or metric.high is None:
+        return metric.value, None
+    return metric.value, (metric.low, metric.high)
 
 
 def _shown(figures: ComparisonFigures, columns: Sequence[Column]) -> list[Column]:

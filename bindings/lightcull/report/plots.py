@@ -23,6 +23,8 @@ KNOWN_COLORS = {
     "exhaustive": "#1b8a5a",
     "clamped": "#0f8b8d",
 }
+_LONGEST_LABEL = 25
+"""Of a curve, in characters."""
 OTHER_COLORS = ("#d35c94", "#5d6b1f", "#e07a1f", "#3b3f8f", "#8a5a44")
 
 
@@ -90,6 +92,14 @@ def _first_digits(value: float, _: Any) -> str:
     return f"{value:g}" if f"{value:e}"[0] in "25" else ""
 
 
+def shortened(name: str) -> str:
+    """A name that leaves room for the curves: its middle goes."""
+    if len(name) <= _LONGEST_LABEL:
+        return name
+    half = (_LONGEST_LABEL - 1) // 2
+    return f"{name[:half]}…{name[-half:]}"
+
+
 def _draw_bands(
     axes: Any, figures: ComparisonFigures, colors: dict[str, str], limits: tuple[float, float]
 ) -> None:
@@ -132,7 +142,7 @@ def _label_ends(axes: Any, ends: dict[str, tuple[float, float]], colors: dict[st
     for name, (_, error) in sorted(ends.items(), key=lambda item: item[1][1]):
         below = max(np.log(error), below + gap)
         axes.annotate(
-            name, (1.0, np.exp(below)), (6, 0), xycoords=("axes fraction", "data"),
+            shortened(name), (1.0, np.exp(below)), (6, 0), xycoords=("axes fraction", "data"),
             textcoords="offset points", color=colors[name], va="center", weight="bold",
             annotation_clip=False,
         )  # fmt: skip

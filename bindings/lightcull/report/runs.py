@@ -7,9 +7,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..field_docs import with_field_docs
 from . import metrics
 
 
+@with_field_docs
 @dataclass
 class Reference:
     """The image that the samplers are measured against."""
@@ -52,6 +54,7 @@ def _mean(halves: np.ndarray) -> np.ndarray:
     return np.asarray(np.mean(halves, axis=0, dtype=np.float64), np.float32)
 
 
+@with_field_docs
 @dataclass
 class Moment:
     """The error of a render on its way."""
@@ -64,6 +67,7 @@ class Moment:
     """As `SamplerFigures.relmse`."""
 
 
+@with_field_docs
 @dataclass
 class Slice:
     """The samples of a part of a render."""
@@ -76,6 +80,7 @@ class Slice:
     """Render time at their end, set-up included."""
 
 
+@with_field_docs
 @dataclass
 class Learned:
     """What a sampler has learned of what is hidden from where, as the image's pixels see it."""
@@ -98,6 +103,7 @@ class Learned:
     """Bytes that cells take."""
 
 
+@with_field_docs
 @dataclass
 class SamplerRun:
     """What one sampler rendered with one seed. All times are in seconds of wall time, unless said."""
@@ -138,6 +144,8 @@ class SamplerRun:
     """The error as the image converged."""
     learned: Learned | None = None
     """None where the sampler has learned nothing, or the host does not tell."""
+    slices: list[Slice] = field(default_factory=list)
+    """Its samples in parts, one after the other, if that was asked for."""
 
     @property
     def lit_image(self) -> np.ndarray:

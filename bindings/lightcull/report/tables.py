@@ -56,18 +56,19 @@ def write_csv(figures: ComparisonFigures, path: Path) -> None:
     """Writes a line for each sampler; a figure that there is not is an empty field.
 
     A figure whose 95 % interval is known for some sampler is followed by its ends, as in relmse,
-    relmse_low, relmse_high.
+    relmse_low, relmse_high. Metrics that were asked for are metric_NAME.
     """
     columns = ("scene", "width", "height", "max_depth", "threads", "measured")
     rows = {name: _row(run) for name, run in figures.samplers.items()}
     present = {key for row in rows.values() for key in row}
-    shown = [*RUN_COLUMNS, *dict.fromkeys(m for run in figures.samplers.values() for m in run.metrics)]
+    metrics = dict.fromkeys(name for run in figures.samplers.values() for name in run.metrics)
+    shown = (*RUN_COLUMNS, *(f"metric_{name}" for name in metrics))
     keys = [k for key in shown for k in (key, f"{key}_low", f"{key}_high") if k in present]
     lines: list[Sequence[Any]] = [(*columns, "sampler", *keys)]
     for name, row in rows.items():
         setting = [getattr(figures, key) for key in columns]
         lines.append([*setting, name, *(row.get(key) for key in keys)])
-    _write_lines(path, lines)
+    write_lines(path, lines)
 
 
 def _row(run: SamplerFigures) -> dict[str, Any]:
@@ -76,9 +77,9 @@ def _row(run: SamplerFigures) -> dict[str, Any]:
     for key, (low, high) in run.intervals.items():
         row |= {f"{key}_low": low, f"{key}_high": high}
     for name, metric in run.metrics.items():
-        row[name] = metric.value
+        row[f"metric_{name}"] = metric.value
         if metric.low is not None:
-            row |= {f"{name}_low": metric.low, f"{name}_high": metric.high}
+            row |= {f"metric_{name}_low": metric.low, f"metric_{name}_high": metric.high}
     return row
 
 
@@ -87,10 +88,11 @@ def write_curves_csv(figures: ComparisonFigures, path: Path) -> None:
     lines: list[Sequence[Any]] = [("sampler", *(field.name for field in fields(CurvePoint)))]
     for name, run in figures.samplers.items():
         lines.extend([name, *astuple(point)] for point in run.error_curve)
-    _write_lines(path, lines)
+    write_lines(path, lines)
 
 
-def _write_lines(path: Path, lines: Sequence[Sequence[Any]]) -> None:
+def write_lines(path: Path, lines: Sequence[Sequence[Any]]) -> None:
+    """Writes a CSV file; None is an empty field."""
     stream = io.StringIO()
     csv.writer(stream, lineterminator="\n").writerows(lines)
     write_whole_file(path, stream.getvalue().encode())
