@@ -116,8 +116,9 @@ class ForeignSampler final : public LightSampler {
 
     Selection select(const ShadingPoint& point, float u) const noexcept override {
         Selection selection;
-        select({&point, 1}, {&u, 1}, {&selection, 1});
-        return selection;
+        const lightcull_error error = call_.select_many(
+            pass_, to_c(&point), &u, 1, reinterpret_cast<lightcull_selection*>(&selection));
+        return error == LIGHTCULL_OK ? selection : Selection{};
     }
 
     float prob(const ShadingPoint& point, const Receipt& receipt,

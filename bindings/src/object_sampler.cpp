@@ -38,6 +38,16 @@ struct PointArrays {
     }
 };
 
+/// The result of a call, or another where it throws: what is left for that is a lack of memory.
+template <typename Result, typename Call>
+Result or_else(Result otherwise, const Call& call) noexcept {
+    try {
+        return call();
+    } catch (...) {
+        return otherwise;
+    }
+}
+
 template <typename T>
 py::object array_of(Span<const T> values, const py::object& dtype) {
     py::object array = new_array(py::make_tuple(values.size()), dtype);
@@ -53,8 +63,11 @@ class ObjectSampler final : public LightSampler {
           needs_receipt_(py::cast<bool>(sampler.attr("needs_receipt"))) {}
 
     ~ObjectSampler() override {
-        const py::gil_scoped_acquire acquire;
-        sampler_ = py::object();
+        or_else(0, [&] {
+            const py::gil_scoped_acquire acquire;
+            sampler_ = py::object();
+            return 0;
+        });
     }
 
     void begin_pass(std::uint64_t pass) override {
@@ -80,13 +93,23 @@ class ObjectSampler final : public LightSampler {
     }
 
     Selection select(const ShadingPoint& point, float u) const noexcept override {
-        Selection selection;
-        select({&point, 1}, {&u, 1}, {&selection, 1});
-        return selection;
+        return or_else(Selection{}, [&] {
+            Selection selection;
+            select({&point, 1}, {&u, 1}, {&selection, 1});
+            return selection;
+        });
     }
 
     float prob(const ShadingPoint& point, const Receipt& receipt,
                std::uint32_t light) const noexcept override {
+        return or_else(0.0f, [&] { return asked_prob(point, receipt, light); });
+    }
+
+    std::uint32_t set_count() const noexcept override { return set_count_; }
+    bool needs_receipt() const noexcept override { return needs_receipt_; }
+
+  private:
+    float asked_prob(const ShadingPoint& point, const Receipt& receipt, std::uint32_t light) const {
         const py::gil_scoped_acquire acquire;
         const PointArrays arrays({&point, 1});
         const Selection selection{light, 1.0f, 1.0f, receipt};
@@ -97,11 +120,7 @@ class ObjectSampler final : public LightSampler {
                                                      lights, arrays.diffuse, arrays.lobe));
     }
 
-    std::uint32_t set_count() const noexcept override { return set_count_; }
-    bool needs_receipt() const noexcept override { return needs_receipt_; }
-
-  private:
-    py::object sampler_;  ///< throws nothing: `lightcull.comparing.own_sampler` sees to that
+    py::object sampler_;  ///< raises nothing: GuardedSampler of the package sees to that
     std::uint32_t set_count_;
     bool needs_receipt_;
 };
