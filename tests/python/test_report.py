@@ -628,7 +628,7 @@ def test_page_shows_the_worst_against_the_best_first(page_text: str) -> None:
 def test_page_says_what_was_done(page_text: str) -> None:
     text = " ".join(Page(page_text).text)
     for said in ("a <scene> & more", "of <some> kind", "lightcull compare x --seconds 10",
-                 "32 times uniform and 8.0 times light_bvh", "direct light only",
+                 "32 times uniform and 8.0 times light_bvh in efficiency, by one run each", "direct light only",
                  "nothing is known of how sure"):  # fmt: skip
         assert said in text
     assert "<scene>" not in page_text and "<some>" not in page_text
@@ -692,6 +692,7 @@ def test_page_warns_of_a_noisy_reference() -> None:
         (3.21e-7, (3.0e-7, 3.42e-7), "3.2\u2009×\u200910⁻⁷ ±\u20090.2\u2009×\u200910⁻⁷"),
         (8.0, (8.0, 8.0), "8"),
         (0.0123456, None, "0.012"),
+        (1142.0, None, "1\u202f100"),
         (None, None, "–"),
     ],
 )

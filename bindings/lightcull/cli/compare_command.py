@@ -9,7 +9,7 @@ from rich.table import Table
 from ..comparing.compare import compare
 from ..methods import compare_methods
 from ..report import ComparisonFigures
-from ..report.page import known
+from ..report.page import text_of
 from .options import CompareMethodsOptions, CompareOptions
 from .progress_bars import Bars
 
@@ -43,20 +43,27 @@ def run(options: CompareOptions, messages: Console) -> bool:
     return not comparison.interrupted
 
 
+_COLUMNS = {
+    "spp": "spp",
+    "s": "seconds",
+    "ns/select": "ns_per_selection",
+    "relMSE": "relmse",
+    "of lamps": "relmse_emission",
+    "x uniform": "ratio_to_uniform",
+    "x light_bvh": "ratio_to_light_bvh",
+}
+"""What is printed of a sampler's figures, by heading."""
+
+
 def _table(figures: ComparisonFigures) -> Table:
-    table = Table("sampler", box=SIMPLE)
-    keys = ("spp", "seconds", "ns_per_selection", "relmse", "relmse_emission", "ratio_to_uniform",
-            "ratio_to_light_bvh")  # fmt: skip
-    for heading in ("spp", "seconds", "ns/select", "relMSE", "lamps", "x uniform", "x light_bvh"):
+    """Intervals stand below their figures, so that there is room for names."""
+    table = Table(box=SIMPLE, padding=(0, 1, 0, 0))
+    table.add_column("sampler", overflow="fold", min_width=10)
+    for heading in _COLUMNS:
         table.add_column(heading, justify="right", no_wrap=True)
-    for name, sampler in figures.samplers.items():
-        table.add_row(
-            name,
-            *(
-                " ".join(known(getattr(sampler, key), sampler.intervals.get(key))).strip()
-                for key in keys
-            ),
-        )
+    for name, run in figures.samplers.items():
+        cells = [text_of(run, key) for key in _COLUMNS.values()]
+        table.add_row(name, *("\n".join(filter(None, cell)) for cell in cells))
     return table
 
 

@@ -112,7 +112,7 @@ def render(
         scale=max(1, 1120 // figures.width),
         values={
             kind.key: {
-                name: f"{kind.figure} {' '.join(_known(run, kind.figure_key)).strip()}"
+                name: f"{kind.figure} {' '.join(text_of(run, kind.figure_key)).strip()}"
                 for name, run in runs
             }
             for kind in pictures.ERROR_MAPS
@@ -159,7 +159,7 @@ def known(value: float | None, interval: Interval | None) -> tuple[str, str]:
     if value is None:
         return significant(None), ""
     if interval is None:
-        return significant(value, UNSURE_DIGITS), ""
+        return significant(float(f"{value:.{UNSURE_DIGITS - 1}e}"), UNSURE_DIGITS), ""
     half = max(interval[1] - value, value - interval[0])
     if half <= 0:
         return _grouped(int(value)) if float(value).is_integer() else significant(value), ""
@@ -177,7 +177,7 @@ def known(value: float | None, interval: Interval | None) -> tuple[str, str]:
     return texts[0], f"±{THIN}{texts[1]}"
 
 
-def _known(run: SamplerFigures, key: str, unit: float = 1.0) -> tuple[str, str]:
+def text_of(run: SamplerFigures, key: str, unit: float = 1.0) -> tuple[str, str]:
     """The text of a figure, and that of its interval."""
     value, interval = _figure(run, key)
     if key == "spp" and interval is None and value is not None:  # counted, and surely so
@@ -224,9 +224,10 @@ def _headline(figures: ComparisonFigures) -> str:
         for baseline in ("uniform", "light_bvh")
         if baseline != best and (ratio := getattr(run, f"ratio_to_{baseline}")) is not None
     ]
+    doubt = "" if run.repeats > 1 else ", by one run each"
     if not gains:
-        return f"{best} is the most efficient of {len(samplers)}"
-    return f"{best} is " + " and ".join(gains) + " in efficiency"
+        return f"{best} is the most efficient of {len(samplers)}{doubt}"
+    return f"{best} is {' and '.join(gains)} in efficiency{doubt}"
 
 
 def _range(run: SamplerFigures, key: str) -> str:
@@ -271,7 +272,7 @@ def _rows(figures: ComparisonFigures, columns: Sequence[Column]) -> list[dict[st
     for name, run in figures.samplers.items():
         cells = []
         for column in columns:
-            text, spread = _known(run, column.key, column.unit)
+            text, spread = text_of(run, column.key, column.unit)
             cells.append({"text": text, "spread": spread, "best": best[column.key] == name})
         rows.append({"name": name, "cells": cells})
     return rows
