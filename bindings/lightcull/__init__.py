@@ -17,18 +17,21 @@ Metres, radians, linear RGB. Arrays are C-contiguous float32 (N, 3), ids uint32.
 #   mitsuba           scenes of Mitsuba's, rendered there or here
 #   cli               the command
 
-from ._core import COUNTS, LIGHT, SELECTION, Error
+from ._core import COUNTS, LIGHT, LOBE, SELECTION, Error
 from ._core import VERSION as __version__
 from .camera import Camera
 from .comparing.compare import SAMPLERS, compare
 from .images import apply_view, read_image, view_names, write_exr, write_png
 from .loaders import UnsupportedWarning, example_scene, load, open_scene
 from .methods import MethodReport, compare_methods
+from .rendering.job import SubjectJob
 from .rendering.method import METHODS
+from .rendering.own_sampler import OwnSampler, SamplerLibrary
 from .rendering.progress import Progress
 from .rendering.render import render
 from .rendering.result import RenderResult
 from .rendering.statistics import Stats
+from .rendering.subject import Subject
 from .report import Comparison
 from .sampler import (
     LightSampler,
@@ -43,6 +46,7 @@ from .scene import Scene
 __all__ = [
     "COUNTS",
     "LIGHT",
+    "LOBE",
     "METHODS",
     "SAMPLERS",
     "SELECTION",
@@ -52,10 +56,14 @@ __all__ = [
     "LightSampler",
     "LightSelector",
     "MethodReport",
+    "OwnSampler",
     "Progress",
     "RenderResult",
+    "SamplerLibrary",
     "Scene",
     "Stats",
+    "Subject",
+    "SubjectJob",
     "UnsupportedWarning",
     "__version__",
     "apply_view",

@@ -1,7 +1,7 @@
 """The compiled part. Arrays are C-contiguous; what each is, its users' docstrings say."""
 
 from collections.abc import Sequence
-from typing import Any, Final
+from typing import Any, Final, Protocol
 
 import numpy as np
 
@@ -14,8 +14,13 @@ LIGHT: Final[np.dtype[np.void]]
 (float32) and two_sided (bool); metres, W/sr. `axis` is a unit vector, and the normals of the light
 lie within theta_o of it; it emits up to theta_e from its normal.
 """
+LOBE: Final[np.dtype[np.void]]
+"""Of the glossy lobe of a surface: axis (3,), alpha, peak (float32). `axis` is the mirror direction
+of the view, a unit vector; alpha is in (0, 1]; the peak is the lobe's value at the axis, in units
+of `diffuse`, and 0 where there is no glossy part.
+"""
 SELECTION: Final[np.dtype[np.void]]
-"""Of a selection: light (uint32), prob, weight_sum (float32), key (uint32)."""
+"""Of a selection: light (uint32), prob, mis_prob, weight_sum (float32), key (uint32)."""
 COUNTS: Final[np.dtype[np.void]]
 """Of what a selection costs: nodes_visited, lights_tested, accepted (uint32)."""
 
@@ -135,6 +140,8 @@ class LightSelector:
         normals: np.ndarray | None,
         u: np.ndarray,
         sets: np.ndarray | None,
+        diffuse: np.ndarray | None,
+        lobe: np.ndarray | None,
         /,
     ) -> np.ndarray: ...
     def select_single(
@@ -143,6 +150,8 @@ class LightSelector:
         normals: np.ndarray | None,
         u: np.ndarray,
         sets: np.ndarray | None,
+        diffuse: np.ndarray | None,
+        lobe: np.ndarray | None,
         /,
     ) -> np.ndarray:
         """As select(), one call of the library for each point."""
@@ -152,7 +161,9 @@ class LightSelector:
         positions: np.ndarray,
         normals: np.ndarray | None,
         selections: np.ndarray,
-        lights: np.ndarray,
+        lights: np.ndarray | None,
+        diffuse: np.ndarray | None,
+        lobe: np.ndarray | None,
         /,
     ) -> np.ndarray: ...
     def vertex_prob(
@@ -164,7 +175,13 @@ class LightSelector:
         /,
     ) -> np.ndarray: ...
     def count(
-        self, positions: np.ndarray, normals: np.ndarray | None, sets: np.ndarray | None, /
+        self,
+        positions: np.ndarray,
+        normals: np.ndarray | None,
+        sets: np.ndarray | None,
+        diffuse: np.ndarray | None,
+        lobe: np.ndarray | None,
+        /,
     ) -> np.ndarray: ...
     def light_count(self) -> int: ...
     def set_count(self) -> int: ...
@@ -262,11 +279,48 @@ class LearnedView:
     def memory_size(self) -> int:
         """Bytes that they take."""
 
+class SamplerLibrary:
+    def __init__(self, path: str, description: str, /) -> None: ...
+    @property
+    def path(self) -> str: ...
+    @property
+    def description(self) -> str: ...
+
+class ObjectSampler(Protocol):
+    """What a renderer takes for a sampler: a Python object, which throws nothing."""
+
+    set_count: int
+    needs_receipt: bool
+    def begin_pass(self, number: int, /) -> None: ...
+    def select(
+        self,
+        positions: np.ndarray,
+        normals: np.ndarray,
+        u: np.ndarray,
+        sets: np.ndarray,
+        diffuse: np.ndarray,
+        lobe: np.ndarray,
+        /,
+    ) -> np.ndarray:
+        """(N,) of dtype SELECTION."""
+
+    def prob(
+        self,
+        positions: np.ndarray,
+        normals: np.ndarray,
+        selections: np.ndarray,
+        lights: np.ndarray,
+        diffuse: np.ndarray,
+        lobe: np.ndarray,
+        /,
+    ) -> float:
+        """Of arrays of one point."""
+
 class Renderer:
     def __init__(
         self,
         scene: Scene,
-        sampler: str,
+        sampler: str | SamplerLibrary | ObjectSampler,
         width: int,
         height: int,
         max_depth: int,
@@ -274,9 +328,18 @@ class Renderer:
         threads: int,
         rr_depth: int,
         direct_light: str,
+        emission_apart: bool,
     ) -> None: ...
     def render_pass(self) -> bool: ...
     def image(self) -> np.ndarray: ...
+    def emission(self) -> np.ndarray:
+        """The part of the image that the camera sees of emitters directly: float32 (H, W, 3). An
+        Error unless emission is kept apart.
+        """
+
+    def lit(self) -> np.ndarray:
+        """The rest of the image; the same holds."""
+
     def sums(self) -> np.ndarray:
         """float64 (H, W, 3), over the passes."""
 
@@ -287,7 +350,9 @@ class Renderer:
         """Goes on from stats(), sums() and learned() of a renderer like this one."""
 
     def stats(self) -> RenderStats: ...
-    def mean_counts(self) -> MeanCounts: ...
+    def mean_counts(self) -> MeanCounts | None:
+        """None where the sampler does not tell."""
+
     def learned_view(self) -> LearnedView | None:
         """None where nothing was learned."""
 

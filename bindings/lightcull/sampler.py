@@ -13,8 +13,18 @@ from .scene import Scene
 class LightSelector:
     """Chooses lights for points by random ranges that do not change: a pass of a `LightSampler`.
 
-    One pass is not enough: for the ranges of a single pass and set, the mean over u alone is off.
-    Sums converge over passes, or over the sets of a pass that has many.
+    One pass is not enough: for the ranges of a single pass and set, the mean over u alone is off
+    (by a third at some points), however many u there are. Sums converge over passes, or over the
+    sets of a pass that has many.
+
+    Points are described by these arrays, alike in `select` and in `prob`:
+    positions: float32 (N, 3), metres. normals: float32 (N, 3), unit length, on the side that
+    receives light, or 0 in a volume; None: 0 for all. diffuse: float32 (N,), diffuse albedo / pi,
+    in any unit, at least 0; None: 1 for all. lobe: (N,) of dtype `lightcull.LOBE`, the glossy part
+    of what the surface does with light, in the unit of diffuse: its BSDF times cosine is taken as
+    peak / (1 + (1 - c) / (2 alpha^2))^2, where c is the cosine between the light's direction and
+    axis, the mirror direction of the view (unit length). alpha: GGX roughness, (0, 1]. peak: at
+    least 0; 0: there is none. None: none for all.
 
     Calls release the GIL and may run in any number of threads.
     """
@@ -29,32 +39,45 @@ class LightSelector:
         normals: np.ndarray | None,
         u: np.ndarray,
         sets: np.ndarray | None = None,
+        *,
+        diffuse: np.ndarray | None = None,
+        lobe: np.ndarray | None = None,
     ) -> np.ndarray:
         """Chooses a light for each point.
 
-        positions: float32 (N, 3), metres. normals: float32 (N, 3), unit length, or 0 in a volume;
-        None: 0 for all. u: float32 (N,), random numbers in [0, 1). sets: uint32 (N,), which of the
-        `set_count` sets of random ranges each point uses; None: the first.
+        positions, normals, diffuse, lobe: the points, as the class has them. u: float32 (N,),
+        random numbers in [0, 1). sets: uint32 (N,), which of the `set_count` sets of random ranges
+        each point uses; None: the first.
 
         Returns (N,) of dtype `lightcull.SELECTION`: light (index), prob (in (0, 1], or 0 where no
         light was chosen, which is no error), mis_prob (for MIS weights: what `prob` says of the
-        light), and for `prob` weight_sum and key.
+        light), and the receipt, weight_sum and key: an account of all that could have been selected
+        at the point, which `prob` needs to say how likely another light was.
         """
-        return self._core.select(positions, normals, u, sets)
+        return self._core.select(positions, normals, u, sets, diffuse, lobe)
 
     def prob(
         self,
         positions: np.ndarray,
         normals: np.ndarray | None,
         selections: np.ndarray,
-        lights: np.ndarray,
+        lights: np.ndarray | None = None,
+        *,
+        diffuse: np.ndarray | None = None,
+        lobe: np.ndarray | None = None,
     ) -> np.ndarray:
         """The probability of a light at each point, for multiple importance sampling: float32 (N,).
 
-        selections: what `select` returned for these points. lights: uint32 (N,). A light that was
-        not accepted gets the probability that it would have had, had it been accepted.
+        positions, normals, diffuse, lobe: the points, as they were when `select` was called.
+        selections: what it returned for them; only their receipts count, which are valid where prob
+        is 0, too. They hold for this pass alone. When a ray that left a point hits a light, the
+        receipt is that of the point which the ray left, not of the hit. lights: uint32 (N,), of any
+        stride, so that a field of other selections will do; None: those that were selected, with 0
+        where none was. A light that was not accepted gets the probability that it would have had,
+        had it been accepted: that makes MIS weights sum to one in the mean over passes, so that
+        here, too, one pass is not enough.
         """
-        return self._core.prob(positions, normals, selections, lights)
+        return self._core.prob(positions, normals, selections, lights, diffuse, lobe)
 
     def report(
         self,
@@ -88,12 +111,18 @@ class LightSelector:
         return self._core.vertex_prob(positions, normals, selections, vertices)
 
     def count(
-        self, positions: np.ndarray, normals: np.ndarray | None, sets: np.ndarray | None = None
+        self,
+        positions: np.ndarray,
+        normals: np.ndarray | None,
+        sets: np.ndarray | None = None,
+        *,
+        diffuse: np.ndarray | None = None,
+        lobe: np.ndarray | None = None,
     ) -> np.ndarray:
-        """What a selection costs at each point: (N,) of dtype `lightcull.COUNTS`: nodes_visited,
-        lights_tested, accepted.
+        """What a selection costs at each point, described as in `select`: (N,) of dtype
+        `lightcull.COUNTS`: nodes_visited, lights_tested, accepted.
         """
-        return self._core.count(positions, normals, sets)
+        return self._core.count(positions, normals, sets, diffuse, lobe)
 
     @property
     def light_count(self) -> int:
@@ -141,8 +170,11 @@ class LightSampler(LightSelector):
     are under way. Pass 0 has begun when the sampler is made.
 
     >>> sampler = LightSampler(lightcull.example_scene("lanterns"), "culled")
-    >>> chosen = sampler.select(positions, normals, u)
-    >>> chosen["light"], chosen["prob"]
+    >>> for number in range(passes):
+    ...     sampler.begin_pass(number)
+    ...     u = numbers.random(len(positions), dtype=np.float32)
+    ...     chosen = sampler.select(positions, normals, u)
+    ...     estimates += light_from(chosen["light"]) / chosen["prob"]
     """
 
     def __init__(
@@ -169,7 +201,9 @@ class LightSampler(LightSelector):
         self._sampler = core
 
     def begin_pass(self, number: int) -> None:
-        """Draws the random ranges of a pass; equal numbers give equal ranges."""
+        """Draws the random ranges of a pass; equal numbers give equal ranges. Call it anew for every
+        pass: one is not enough.
+        """
         self._sampler.begin_pass(checks.whole_number("number", number, most=checks.MOST_64_BITS))
 
     def at_pass(self, number: int) -> LightSelector:

@@ -29,9 +29,9 @@ std::string description_of(const py::handle& array) {
         py::hasattr(spec.dtype, "names") && !spec.dtype.attr("names").is_none()
             ? "structured"
             : std::string(py::str(spec.dtype));
-    throw py::type_error(std::string(name) + ": wanted a C-contiguous " + dtype +
-                         " array of shape " + shape_text(spec.shape) + ", got " +
-                         description_of(array) + remark);
+    const char* const order = spec.any_stride ? "an aligned " : "a C-contiguous ";
+    throw py::type_error(std::string(name) + ": wanted " + order + dtype + " array of shape " +
+                         shape_text(spec.shape) + ", got " + description_of(array) + remark);
 }
 
 bool matches(const std::vector<py::ssize_t>& shape, const std::vector<py::ssize_t>& wanted) {
@@ -53,7 +53,11 @@ bool is_aligned(const py::buffer_info& info, const py::object& dtype) {
     const bool is_record = !dtype.attr("names").is_none();
     const std::uintptr_t alignment =
         is_record ? alignof(float) : static_cast<std::uintptr_t>(info.itemsize);
-    return reinterpret_cast<std::uintptr_t>(info.ptr) % alignment == 0;
+    const auto is_multiple = [&](py::ssize_t stride) {
+        return static_cast<std::uintptr_t>(stride) % alignment == 0;
+    };
+    return reinterpret_cast<std::uintptr_t>(info.ptr) % alignment == 0 &&
+           std::all_of(info.strides.begin(), info.strides.end(), is_multiple);
 }
 
 }  // namespace
@@ -64,7 +68,7 @@ py::buffer_info read_array(const py::handle& array, const char* name, const Arra
         throw_type_error(array, name, spec, "");
     py::buffer_info info = py::reinterpret_borrow<py::buffer>(array).request();
     if (!matches(info.shape, spec.shape)) throw_type_error(array, name, spec, "");
-    if (info.size > 0 && !is_contiguous(info))
+    if (info.size > 0 && !spec.any_stride && !is_contiguous(info))
         throw_type_error(array, name, spec, " that is not C-contiguous");
     if (info.size > 0 && !is_aligned(info, spec.dtype))
         throw_type_error(array, name, spec, " that is not aligned");

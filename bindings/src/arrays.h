@@ -23,10 +23,11 @@ namespace py = pybind11;
 struct ArraySpec {
     py::object dtype;
     std::vector<py::ssize_t> shape;
+    bool any_stride = false;  ///< the elements need not follow each other in memory
 };
 
 /// Reads an array without copying it. Throws TypeError, with what was wanted and what came, unless
-/// it is a C-contiguous NumPy array as specified.
+/// it is a NumPy array as specified, C-contiguous unless any stride will do.
 py::buffer_info read_array(const py::handle& array, const char* name, const ArraySpec& spec);
 
 /// The same as numpy.dtype(description).

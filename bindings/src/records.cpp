@@ -54,6 +54,14 @@ py::object light_dtype() {
         .dtype(sizeof(Light));
 }
 
+py::object lobe_dtype() {
+    return Record()
+        .float3s("axis", offsetof(GlossyLobe, axis))
+        .floats("alpha", offsetof(GlossyLobe, alpha))
+        .floats("peak", offsetof(GlossyLobe, peak))
+        .dtype(sizeof(GlossyLobe));
+}
+
 py::object selection_dtype() {
     return Record()
         .ids("light", offsetof(Selection, light))

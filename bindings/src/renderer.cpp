@@ -1,5 +1,6 @@
 #include <lightcull/error.h>
 #include <lightcull/render/renderer.h>
+#include <lightcull/sampler_info.h>
 #include <lightcull/sets.h>
 
 #include "arrays.h"
@@ -7,6 +8,7 @@
 #include "interruptible.h"
 #include "learned_view.h"
 #include "module.h"
+#include "own_samplers.h"
 
 #include <pybind11/stl.h>
 
@@ -15,6 +17,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace lightcull::python {
@@ -24,14 +27,22 @@ constexpr std::uint32_t kCountedPoints = 512;
 
 class InterruptibleRenderer : public Interruptible<Renderer> {
   public:
-    InterruptibleRenderer(const std::shared_ptr<const Scene>& scene, const std::string& sampler,
-                          const RenderSettings& settings)
-        : Interruptible(settings,
-                        [&] {
-                            return std::make_unique<Renderer>(
-                                scene, settings, make_scene_sampler(sampler, *scene, settings));
-                        }),
+    /// make_sampler: gives the sampler, without the GIL.
+    template <typename MakeSampler>
+    InterruptibleRenderer(const std::shared_ptr<const Scene>& scene, const RenderSettings& settings,
+                          const MakeSampler& make_sampler)
+        : Interruptible(
+              settings,
+              [&] { return std::make_unique<Renderer>(scene, settings, make_sampler()); }),
           scene_(scene) {}
+
+    /// The parts of the image, float32 (H, W, 3). Throws Error unless emission is kept apart.
+    py::object emission() {
+        return part([](const Renderer& renderer) { return renderer.emission(); });
+    }
+    py::object lit() {
+        return part([](const Renderer& renderer) { return renderer.lit(); });
+    }
 
     /// The sums of the passes, as float64 (H, W, 3).
     py::object sums() {
@@ -60,9 +71,10 @@ class InterruptibleRenderer : public Interruptible<Renderer> {
         locked([&](Renderer& renderer) { renderer.restore(state); });
     }
 
-    /// The mean cost of a selection at camera points.
-    MeanCounts mean_counts() {
-        return locked([&](const Renderer& renderer) {
+    /// The mean cost of a selection at camera points. None where the sampler does not tell.
+    std::optional<MeanCounts> mean_counts() {
+        return locked([&](const Renderer& renderer) -> std::optional<MeanCounts> {
+            if (sampler_info(renderer.sampler()) == nullptr) return std::nullopt;
             std::vector<ShadingPoint> points = camera_points(*scene_, settings(), kCountedPoints);
             const LightSampler& sampler = renderer.sampler();
             for (std::size_t i = 0; i < points.size(); ++i) {
@@ -84,6 +96,12 @@ class InterruptibleRenderer : public Interruptible<Renderer> {
     }
 
   private:
+    template <typename Part>
+    py::object part(const Part& part) {
+        if (!settings().emission_apart) throw Error("renderer: emission is not kept apart");
+        return array_from_image(locked(part), settings().width, settings().height);
+    }
+
     std::shared_ptr<const Scene> scene_;
 };
 
@@ -103,17 +121,28 @@ DirectLight direct_light_of(const std::string& name) {
     throw Error("direct_light is '" + name + "'; there are mis, lights, bsdf");
 }
 
-std::unique_ptr<InterruptibleRenderer> make_renderer(const std::shared_ptr<Scene>& scene,
-                                                     const std::string& sampler,
-                                                     std::uint32_t width, std::uint32_t height,
-                                                     std::uint32_t max_depth, std::uint64_t seed,
-                                                     std::uint32_t threads, std::uint32_t rr_depth,
-                                                     const std::string& direct_light) {
+std::unique_ptr<InterruptibleRenderer> make_renderer(
+    const std::shared_ptr<Scene>& scene, const py::object& sampler, std::uint32_t width,
+    std::uint32_t height, std::uint32_t max_depth, std::uint64_t seed, std::uint32_t threads,
+    std::uint32_t rr_depth, const std::string& direct_light, bool emission_apart) {
     RenderSettings settings = make_render_settings(width, height, max_depth, seed, threads);
     settings.rr_depth = rr_depth;
     settings.direct_light = direct_light_of(direct_light);
-    const py::gil_scoped_release release;
-    return std::make_unique<InterruptibleRenderer>(scene, sampler, settings);
+    settings.emission_apart = emission_apart;
+    const auto make = [&](const auto& make_sampler) {
+        const py::gil_scoped_release release;
+        return std::make_unique<InterruptibleRenderer>(scene, settings, make_sampler);
+    };
+    if (py::isinstance<py::str>(sampler)) {
+        const auto description = py::cast<std::string>(sampler);
+        return make([&] { return make_scene_sampler(description, *scene, settings); });
+    }
+    if (py::isinstance<SamplerLibrary>(sampler)) {
+        const auto library = py::cast<SamplerLibrary>(sampler);
+        return make([&] { return sampler_of_library(library, *scene, settings); });
+    }
+    std::unique_ptr<LightSampler> own = sampler_of_object(sampler);
+    return make([&] { return std::move(own); });
 }
 
 }  // namespace
@@ -156,12 +185,20 @@ void bind_renderer(py::module_& module) {
                                })
         .def_readonly("cell_count", &LearnedView::cell_count)
         .def_readonly("memory_size", &LearnedView::memory_size);
+    py::class_<SamplerLibrary>(module, "SamplerLibrary")
+        .def(py::init([](const std::string& path, const std::string& description) {
+            return SamplerLibrary{path, description};
+        }))
+        .def_readonly("path", &SamplerLibrary::path)
+        .def_readonly("description", &SamplerLibrary::description);
     py::class_<InterruptibleRenderer>(module, "Renderer")
         .def(py::init(&make_renderer), py::arg("scene"), py::arg("sampler"), py::arg("width"),
              py::arg("height"), py::arg("max_depth"), py::arg("seed"), py::arg("threads"),
-             py::arg("rr_depth"), py::arg("direct_light"))
+             py::arg("rr_depth"), py::arg("direct_light"), py::arg("emission_apart"))
         .def("render_pass", &InterruptibleRenderer::render_pass)
         .def("image", &InterruptibleRenderer::image)
+        .def("emission", &InterruptibleRenderer::emission)
+        .def("lit", &InterruptibleRenderer::lit)
         .def("sums", &InterruptibleRenderer::sums)
         .def("learned", &InterruptibleRenderer::learned)
         .def("restore", &InterruptibleRenderer::restore)

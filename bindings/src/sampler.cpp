@@ -13,6 +13,7 @@
 #include <cmath>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <shared_mutex>
 #include <string>
 #include <string_view>
@@ -143,6 +144,40 @@ Points points_from(const py::object& positions, const py::object& normals) {
     return points;
 }
 
+bool is_unit(const float3& v) {
+    return is_unit_or_zero(v) && (v.x != 0.0f || v.y != 0.0f || v.z != 0.0f);
+}
+
+void set_lobes(Points& points, const py::object& lobe) {
+    if (lobe.is_none()) return;
+    const auto count = static_cast<py::ssize_t>(points.size());
+    const py::buffer_info info = read_array(lobe, "lobe", {lobe_dtype(), {count}});
+    const auto* const lobes = static_cast<const GlossyLobe*>(info.ptr);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const GlossyLobe& given = lobes[i];
+        if (given.peak == 0.0f) continue;  // there is none: the other fields may be anything
+        if (!is_unit(given.axis)) throw_row_error("lobe", i, "length of the axis is not 1");
+        if (!(given.alpha > 0.0f && given.alpha <= 1.0f))
+            throw_row_error("lobe", i, "alpha is not in (0, 1]");
+        if (!(given.peak > 0.0f && std::isfinite(given.peak)))
+            throw_row_error("lobe", i, "the peak is below 0 or not finite");
+        points[i].lobe = given;
+    }
+}
+
+/// What the surfaces at the points do with light, from arguments that may be None.
+void set_surfaces(Points& points, const py::object& diffuse, const py::object& lobe) {
+    const auto rows =
+        Rows<float>::optional(diffuse, "diffuse", static_cast<py::ssize_t>(points.size()));
+    const Span<const float> d = rows.span();
+    for (std::size_t i = 0; i < d.size(); ++i) {
+        if (!(d[i] >= 0.0f && std::isfinite(d[i])))
+            throw_row_error("diffuse", i, "below 0 or not finite");
+        points[i].diffuse = d[i];
+    }
+    set_lobes(points, lobe);
+}
+
 void set_sets(Points& points, const py::object& sets, std::uint32_t set_count) {
     const auto rows =
         Rows<std::uint32_t>::optional(sets, "sets", static_cast<py::ssize_t>(points.size()));
@@ -154,22 +189,11 @@ void set_sets(Points& points, const py::object& sets, std::uint32_t set_count) {
     }
 }
 
-/// The ids of lights from an argument, checked.
-Rows<std::uint32_t> light_ids(const py::object& ids, std::size_t count, std::size_t light_count) {
-    Rows<std::uint32_t> rows(ids, "lights", static_cast<py::ssize_t>(count));
-    for (std::size_t i = 0; i < rows.span().size(); ++i)
-        if (rows.span()[i] >= light_count)
-            throw_row_error("lights", i, "there are " + std::to_string(light_count) + " lights");
-    return rows;
-}
-
-/// Selections that came from select(), which may have been changed since.
-std::vector<Selection> selections_from(const py::object& array, Points& points,
-                                       const SharedSelector& sampler) {
-    const py::buffer_info info = read_array(
-        array, "selections", {selection_dtype(), {static_cast<py::ssize_t>(points.size())}});
-    const auto* first = static_cast<const Selection*>(info.ptr);
-    std::vector<Selection> selections(first, first + info.shape[0]);
+/// Selections that came from select(), which may have been changed since; they live as long as
+/// the array.
+Span<const Selection> selections_from(const py::buffer_info& array, Points& points,
+                                      const SharedSelector& sampler) {
+    const Span<const Selection> selections(static_cast<const Selection*>(array.ptr), points.size());
     for (std::size_t i = 0; i < selections.size(); ++i) {
         if (!sampler.knows(selections[i].receipt))
             throw_row_error("selections", i, "the key is none of this sampler's");
@@ -184,13 +208,19 @@ std::vector<Selection> selections_from(const py::object& array, Points& points,
     return selections;
 }
 
+py::buffer_info selection_array(const py::object& array, std::size_t count) {
+    return read_array(array, "selections", {selection_dtype(), {static_cast<py::ssize_t>(count)}});
+}
+
 /// The way in which points are selected for: in one call, or in one call each.
 enum class Entry { kBatch, kSingle };
 
 template <Entry kEntry>
 py::object select(const SharedSelector& sampler, const py::object& positions,
-                  const py::object& normals, const py::object& u, const py::object& sets) {
+                  const py::object& normals, const py::object& u, const py::object& sets,
+                  const py::object& diffuse, const py::object& lobe) {
     Points points = points_from(positions, normals);
+    set_surfaces(points, diffuse, lobe);
     set_sets(points, sets, sampler.set_count());
     const auto count = static_cast<py::ssize_t>(points.size());
     const Rows<float> numbers(u, "u", count);
@@ -211,16 +241,53 @@ py::object select(const SharedSelector& sampler, const py::object& positions,
     return selections;
 }
 
+/// The lights of selections, or those that an argument names for each, checked.
+class LightIds {
+  public:
+    LightIds(const py::object& ids, Span<const Selection> selections, std::size_t light_count)
+        : selections_(selections) {
+        if (ids.is_none()) return;
+        const auto count = static_cast<py::ssize_t>(selections.size());
+        info_ = read_array(ids, "lights", {numpy_dtype(py::str("uint32")), {count}, true});
+        for (std::size_t i = 0; i < selections.size(); ++i)
+            if (named(i) >= light_count)
+                throw_row_error("lights", i,
+                                "there are " + std::to_string(light_count) + " lights");
+    }
+
+    /// Light i, or none where nothing was selected and no lights were named.
+    std::optional<std::uint32_t> operator[](std::size_t i) const {
+        if (info_) return named(i);
+        if (selections_[i].prob > 0.0f) return selections_[i].light;
+        return std::nullopt;
+    }
+
+  private:
+    std::uint32_t named(std::size_t i) const {
+        const auto* const first = static_cast<const std::uint8_t*>(info_->ptr);
+        const auto offset = static_cast<py::ssize_t>(i) * info_->strides[0];
+        return *reinterpret_cast<const std::uint32_t*>(first + offset);
+    }
+
+    Span<const Selection> selections_;
+    std::optional<py::buffer_info> info_;
+};
+
 py::object prob(const SharedSelector& sampler, const py::object& positions,
-                const py::object& normals, const py::object& selections, const py::object& lights) {
+                const py::object& normals, const py::object& selections, const py::object& lights,
+                const py::object& diffuse, const py::object& lobe) {
     Points points = points_from(positions, normals);
-    const std::vector<Selection> selected = selections_from(selections, points, sampler);
-    const Rows<std::uint32_t> ids = light_ids(lights, points.size(), sampler.light_count());
+    set_surfaces(points, diffuse, lobe);
+    const py::buffer_info array = selection_array(selections, points.size());
+    const Span<const Selection> selected = selections_from(array, points, sampler);
+    const LightIds ids(lights, selected, sampler.light_count());
     py::object probs = new_array(py::make_tuple(points.size()), numpy_dtype(py::str("float32")));
     const Span<float> result = elements<float>(probs);
     sampler.use([&](const LightSelector& s) {
-        for (std::size_t i = 0; i < points.size(); ++i)
-            result[i] = s.prob(points[i], selected[i].receipt, ids.span()[i]);
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            const std::optional<std::uint32_t> light = ids[i];
+            result[i] = light ? s.prob(points[i], selected[i].receipt, *light) : 0.0f;
+        }
     });
     return probs;
 }
@@ -228,7 +295,8 @@ py::object prob(const SharedSelector& sampler, const py::object& positions,
 void report(const SharedSelector& sampler, const py::object& positions, const py::object& normals,
             const py::object& selections, const py::object& visibility) {
     Points points = points_from(positions, normals);
-    const std::vector<Selection> selected = selections_from(selections, points, sampler);
+    const py::buffer_info array = selection_array(selections, points.size());
+    const Span<const Selection> selected = selections_from(array, points, sampler);
     const Rows<float> parts(visibility, "visibility", static_cast<py::ssize_t>(points.size()));
     std::vector<LightOutcome> outcomes;
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -245,7 +313,8 @@ py::object vertex_prob(const SharedSelector& sampler, const py::object& position
                        const py::object& normals, const py::object& selections,
                        const py::object& vertices) {
     Points points = points_from(positions, normals);
-    const std::vector<Selection> selected = selections_from(selections, points, sampler);
+    const py::buffer_info array = selection_array(selections, points.size());
+    const Span<const Selection> selected = selections_from(array, points, sampler);
     const Rows<float3> rows(vertices, "vertices", static_cast<py::ssize_t>(points.size()));
     for (std::size_t i = 0; i < rows.span().size(); ++i)
         if (!is_finite(rows.span()[i])) throw_row_error("vertices", i, "not finite");
@@ -268,8 +337,10 @@ py::object vertex_prob(const SharedSelector& sampler, const py::object& position
 }
 
 py::object count(const SharedSelector& sampler, const py::object& positions,
-                 const py::object& normals, const py::object& sets) {
+                 const py::object& normals, const py::object& sets, const py::object& diffuse,
+                 const py::object& lobe) {
     Points points = points_from(positions, normals);
+    set_surfaces(points, diffuse, lobe);
     set_sets(points, sets, sampler.set_count());
     py::object counts = new_array(py::make_tuple(points.size()), counts_dtype());
     const Span<SelectionCounts> result = elements<SelectionCounts>(counts);
@@ -361,6 +432,7 @@ std::unique_ptr<SharedSampler> sampler_of_scene(const Scene& scene, const std::s
 
 void bind_sampler(py::module_& module) {
     module.attr("LIGHT") = light_dtype();
+    module.attr("LOBE") = lobe_dtype();
     module.attr("SELECTION") = selection_dtype();
     module.attr("COUNTS") = counts_dtype();
     module.def("triangle_lights", &triangle_lights, py::arg("corners"), py::arg("radiance"),

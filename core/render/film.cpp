@@ -15,6 +15,12 @@ std::vector<float3> Film::mean() const {
     return image;
 }
 
+std::vector<float3> Film::mean_without(const Film& part) const {
+    Film rest = *this;
+    for (std::size_t i = 0; i < sums_.size(); ++i) rest.sums_[i] -= part.sums_[i];
+    return rest.mean();
+}
+
 void Film::restore(Span<const double> sums, std::uint64_t passes) noexcept {
     for (std::size_t i = 0; i < sums_.size(); ++i) {
         sums_[i] = Imath::V3d(sums[3 * i], sums[3 * i + 1], sums[3 * i + 2]);

@@ -22,6 +22,8 @@ class LIGHTCULL_CORE_EXPORT Film {
     void add(const std::vector<V3f>& pass);
     /// The mean of the samples, black where there is none.
     std::vector<float3> mean() const;
+    /// The mean of the samples without those of a film of the same passes, which are part of them.
+    std::vector<float3> mean_without(const Film& part) const;
 
     /// The sums of the passes, three numbers per pixel, and the way to go on from them.
     const std::vector<Imath::V3d>& sums() const noexcept { return sums_; }

@@ -52,6 +52,8 @@ struct Renderer::Impl {
     std::vector<Selection> selections;
     std::vector<V3f> pass_pixels;
     Film film;
+    std::vector<V3f> pass_emission;  ///< part of pass_pixels; empty unless emission is kept apart
+    Film emission;
     RenderStats stats;
     RenderStats cost;  ///< statistics of the pass under way
 
@@ -62,7 +64,9 @@ struct Renderer::Impl {
           camera(scene->camera(), r.width, r.height),
           arena(thread_count(r.threads)),
           pass_pixels(std::size_t{r.width} * r.height),
-          film(pass_pixels.size()) {}
+          film(pass_pixels.size()),
+          pass_emission(r.emission_apart ? pass_pixels.size() : 0),
+          emission(pass_emission.size()) {}
 
     void render_regions(const std::atomic<bool>* cancel);
     void render_region(const Pass& pass, const Tile& region);
@@ -75,6 +79,7 @@ void Renderer::Impl::render_regions(const std::atomic<bool>* cancel) {
     sampler->begin_pass(mix(settings.seed) + stats.passes);
     cost.sampler_seconds += seconds_since(start);
     std::fill(pass_pixels.begin(), pass_pixels.end(), V3f(0.0f));
+    std::fill(pass_emission.begin(), pass_emission.end(), V3f(0.0f));
     const Pass pass{data_of(*scene),
                     settings,
                     PassRays(camera, settings, stats.passes),
@@ -82,7 +87,8 @@ void Renderer::Impl::render_regions(const std::atomic<bool>* cancel) {
                     vertex_culling(*sampler),
                     hash(settings.seed, stats.passes),
                     cancel,
-                    pass_pixels.data()};
+                    pass_pixels.data(),
+                    pass_emission.empty() ? nullptr : pass_emission.data()};
     for (const Tile& region : tiles_of({0, 0, settings.width, settings.height}, kRegionSize)) {
         if (!pass.cancelled()) render_region(pass, region);
     }
@@ -162,6 +168,7 @@ bool Renderer::render_pass(const std::atomic<bool>* cancel) {
         return false;
     }
     impl_->film.add(impl_->pass_pixels);
+    impl_->emission.add(impl_->pass_emission);
 
     RenderStats& stats = impl_->stats;
     ++stats.passes;
@@ -176,7 +183,17 @@ bool Renderer::render_pass(const std::atomic<bool>* cancel) {
 std::vector<float3> Renderer::image() const {
     return impl_->film.mean();
 }
+std::vector<float3> Renderer::emission() const {
+    return impl_->emission.mean();
+}
+std::vector<float3> Renderer::lit() const {
+    if (!impl_->settings.emission_apart) return {};
+    return impl_->film.mean_without(impl_->emission);
+}
 void Renderer::restore(const RenderState& state) {
+    if (impl_->settings.emission_apart) {
+        throw Error("renderer: keeps emission apart, of which a state knows nothing");
+    }
     check_state(state, impl_->settings);
     if (!state.learned.empty()) impl_->sampler->restore_learned(state.learned);
     impl_->film.restore(state.sums, state.stats.passes);
@@ -205,7 +222,9 @@ RendererMemory Renderer::memory_size() const noexcept {
     const SamplerInfo* const info = sampler_info(*impl_->sampler);
     const std::size_t sampler = info != nullptr ? info->memory_size() : 0;
     const std::size_t limit = info != nullptr ? info->memory_limit() : 0;
-    return {sampler, limit - sampler, impl_->film.memory_size() + size_of(impl_->pass_pixels),
+    return {sampler, limit - sampler,
+            impl_->film.memory_size() + impl_->emission.memory_size() +
+                size_of(impl_->pass_pixels) + size_of(impl_->pass_emission),
             paths * kPerPath};
 }
 

@@ -69,17 +69,21 @@ void Wavefront::intersect() {
 }
 
 void Wavefront::add_emission() {
+    V3f* const seen = depth_ == 1 ? pass_->emission : nullptr;
+    const auto add = [&](std::uint32_t pixel, V3f light) {
+        pass_->pixels[pixel] += light;
+        if (seen != nullptr) seen[pixel] += light;
+    };
     order_.clear();
     for (std::uint32_t i = 0; i < rays_.size(); ++i) {
         const Path& path = paths_[i];
         if (hits_[i].triangle == kNoHit) {
-            pass_->pixels[path.pixel] += path.throughput * escaped(path, rays_[i]);
+            add(path.pixel, path.throughput * escaped(path, rays_[i]));
             continue;
         }
         const std::uint32_t light = pass_->scene.triangles[hits_[i].triangle].light;
         if (light != kNone) {
-            pass_->pixels[path.pixel] +=
-                path.throughput * emitted_by(light, path, rays_[i], hits_[i]);
+            add(path.pixel, path.throughput * emitted_by(light, path, rays_[i], hits_[i]));
         }
         order_.push_back(i);
     }

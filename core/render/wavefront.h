@@ -27,7 +27,8 @@ struct Pass {
     const VertexCulling* vertex_culling;  ///< vertex culling of the sampler; may be null
     std::uint64_t key;                    ///< key of the pass's random numbers
     const std::atomic<bool>* cancel;      ///< may be null
-    V3f* pixels;  ///< place where the samples go: height * width, black at first
+    V3f* pixels;    ///< place where the samples go: height * width, black at first
+    V3f* emission;  ///< another for the part that the camera sees of emitters; may be null
 
     bool cancelled() const noexcept {
         return cancel != nullptr && cancel->load(std::memory_order_relaxed);

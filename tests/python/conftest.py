@@ -13,7 +13,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import lightcull
+# FLIP's threads wait busily for each other: where other tests are at work, that takes far longer than
+# its work. It is read when the package is loaded.
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+
+import lightcull  # noqa: E402
 
 QUAD = np.array([[0, 1, 2], [0, 2, 3]], np.uint32)
 

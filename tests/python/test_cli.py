@@ -186,6 +186,38 @@ def test_compare_writes_the_report(command: Run, tmp_path: Path) -> None:
     assert result.stdout.splitlines()[-1] == "r/index.html"
 
 
+def test_compare_with_repeats_and_a_mask(main_here: Run, tmp_path: Path) -> None:
+    mask = np.zeros((24, 32, 3), np.float32)
+    mask[10:, :16] = 0.1
+    lightcull.write_exr(tmp_path / "mask.exr", mask)
+    options = ("--samplers", "uniform,culled", *TINY, "--reference-seconds", "0.1", "-o", "r")
+    more = ("--repeats", "3", "--mask", "mask.exr", "--metrics", "mape,flip", "--slices", "2")
+    result = main_here("compare", "cornell", *options, *more)
+    assert result.returncode == 0, result.stderr
+    report = json.loads((tmp_path / "r" / "report.json").read_text())
+    assert report["pixels"] == 14 * 16
+    for run in report["samplers"].values():
+        assert run["repeats"] == 3
+        assert list(run["metrics"]) == ["mape", "flip"]
+        low, high = run["intervals"]["relmse"]
+        assert low < run["relmse"] < high
+    assert "±" in result.stdout
+    assert len(list((tmp_path / "r").glob("*_run3_slice2.exr"))) == 2
+    wrong = [
+        (("--size", "16x16", "--mask", "mask.exr"), "a mask of 32x24 for an image of 16x16"),
+        (("--mask", "no.exr"), "no.exr: "),
+        (("--metrics", "mape,mad"), "'mad' is unknown; there are relmse, mape, smape, flip"),
+        (("--methods", "path", "--slices", "2"), "--slices: not with --methods"),
+        (("--repeats", "0"), "wanted a whole number from 1 up"),
+        (("--methods", "path", "--mask", "mask.exr"), "--mask: not with --methods"),
+        (("--methods", "path", "--repeats", "2"), "--repeats: not with --methods"),
+    ]
+    for more, message in wrong:
+        result = main_here("compare", "cornell", "--size", "32x24", *more, "-o", "wrong")
+        assert result.returncode != 0
+        assert message in only_line(result.stderr)
+
+
 def test_info(main_here: Run, tmp_path: Path) -> None:
     result = main_here("info", "cornell")
     assert result.returncode == 0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 from collections.abc import Callable
 from pathlib import Path
@@ -26,13 +27,18 @@ def test_the_report_has_every_study(main_here: Callable[..., Outcome], tmp_path:
     options = ("--size", "32x24", "--seconds", "0.2", "--most-lights", "1024", "-o", "r")
     outcome = main_here("compare", "cornell", "--methods", methods, *options)
     assert outcome.returncode == 0, outcome.stderr
-    report = json.loads((tmp_path / "r" / "methods.json").read_text())
+    report = json.loads((tmp_path / "r" / "report.json").read_text())
     assert list(report["studies"]) == STUDIES
     page = (tmp_path / "r" / "index.html").read_text()
     for study in report["studies"].values():
         assert study["finding"] in outcome.stdout
         assert study["title"] in page
         assert all(len(row) == len(study["columns"]) for row in study["rows"])
+    for key, study in report["studies"].items():
+        with (tmp_path / "r" / f"{key}.csv").open(newline="") as stream:
+            columns, *rows = csv.reader(stream)
+        assert columns == study["columns"]
+        assert rows == [["" if cell is None else str(cell) for cell in row] for row in study["rows"]]
     brightness = report["studies"]["equal_time"]["figures"]
     assert brightness["brightness_vpl_clamped:lights=500:accepted=0.3"] < 0.8
     assert (tmp_path / "r" / "reference.png").is_file()

@@ -39,7 +39,7 @@ def test_a_device_chooses_as_the_processor_does() -> None:
         same = expected["light"] == chosen["light"]
         assert np.mean(~same) <= 1e-4
         np.testing.assert_allclose(chosen["prob"][same], expected["prob"][same], rtol=1e-5)
-        probs = gpu.prob(POSITIONS, None, chosen, np.ascontiguousarray(chosen["light"]))
+        probs = gpu.prob(POSITIONS, None, chosen)
         np.testing.assert_allclose(probs, chosen["prob"], rtol=1e-5)
 
 

@@ -15,17 +15,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 from lightcull import report
-from lightcull.report import metrics, page, pictures, plots, tables
+from lightcull.report import intervals, metrics, page, pictures, plots, tables
 from lightcull.report.write import file_stem
 from PIL import Image
 
 TOP_KEYS = ["scene", "width", "height", "max_depth", "threads", "seconds", "command", "machine",
-            "reference", "samplers"]  # fmt: skip
+            "measured", "pixels", "reference", "samplers"]  # fmt: skip
 SAMPLER_KEYS = {
     "spp", "seconds", "setup_seconds", "ns_per_selection", "rays_per_second", "accepted_per_point",
     "nodes_per_point", "lights_tested_per_point", "rmse", "relmse", "flip", "relmse_blurred",
     "efficiency", "ratio_to_uniform", "ratio_to_light_bvh", "error_curve", "relmse_blurred31",
     "selection_share", "ratio_to_uniform_blurred", "ratio_to_light_bvh_blurred", "learned",
+    "repeats", "relmse_measured", "relmse_median", "relmse_trimmed", "variance", "bias",
+    "relmse_image", "relmse_emission", "metrics", "intervals", "own_seconds",
 }  # fmt: skip
 """What scripts read."""
 
@@ -57,7 +59,7 @@ def make_run(error: float, seconds: float = 10.0, **changes) -> report.SamplerRu
         accepted_per_point=16.5,
         nodes_per_point=30.0,
         lights_tested_per_point=40.0,
-        curve=[(1.0, 0.4), (10.0, 0.04)],
+        curve=[report.Moment(6, 1.0, 0.4), report.Moment(64, 10.0, 0.04)],
     )
     return report.SamplerRun(**{**values, **changes})
 
@@ -70,7 +72,20 @@ def make_learned() -> report.Learned:
     return report.Learned(cells, visibility, normals, 12_345, (1.5, -2.25, 3.0), 4_321, 5 << 20)
 
 
-def make_comparison(**samplers: report.SamplerRun) -> report.Comparison:
+def make_runs(errors: list[float], **changes) -> tuple[report.SamplerRun, ...]:
+    """Runs with these errors."""
+    return tuple(make_run(error, **changes) for error in errors)
+
+
+def make_comparison(
+    **samplers: report.SamplerRun | tuple[report.SamplerRun, ...],
+) -> report.Comparison:
+    """Against a reference whose noise is relMSE_of_itself 0: both halves are the same."""
+    samplers = samplers or {
+        "uniform": make_run(0.4),
+        "light_bvh": make_run(0.2),
+        "culled:sets=16": make_run(0.1, seconds=5.0),
+    }
     return report.Comparison(
         scene="a <scene> & more",
         width=WIDTH,
@@ -79,12 +94,9 @@ def make_comparison(**samplers: report.SamplerRun) -> report.Comparison:
         threads=2,
         seconds=10.0,
         machine={"processor": "of <some> kind", "build": "g++"},
-        reference=report.Reference(reference_image(), "exhaustive", 4096, 1e-6),
-        samplers=samplers
-        or {
-            "uniform": make_run(0.4),
-            "light_bvh": make_run(0.2),
-            "culled:sets=16": make_run(0.1, seconds=5.0),
+        reference=report.Reference(np.stack([reference_image()] * 2), "exhaustive", 4096),
+        samplers={
+            name: runs if isinstance(runs, tuple) else (runs,) for name, runs in samplers.items()
         },
         command="lightcull compare x --seconds 10",
     )
@@ -198,6 +210,133 @@ def test_images_must_match(shape: tuple) -> None:
         metrics.relmse(np.zeros(shape, np.float32), flat(1.0))
 
 
+# How sure figures are
+
+
+def noisy_reference(noise: float) -> report.Reference:
+    chance = np.random.default_rng(11)
+    truth = reference_image()
+    halves = truth * (1 + noise * chance.standard_normal((2, *truth.shape)))
+    return report.Reference(halves.astype(np.float32), "exhaustive", 4096)
+
+
+def test_t_quantiles() -> None:
+    """Of published tables."""
+    for freedom, quantile in [(1, 12.706), (4, 2.776), (20, 2.086), (30, 2.042), (120, 1.980)]:
+        assert intervals.t_quantile(freedom) == pytest.approx(quantile, abs=1e-3)
+
+
+def test_intervals_of_means_hold_the_truth_in_95_of_100() -> None:
+    """Of 4,000 means of 5 numbers each; 4 standard errors about that share are 1.4 %."""
+    values = np.random.default_rng(5).normal(3.0, 2.0, (4000, 5))
+    held = [low <= 3.0 <= high for low, high in map(intervals.of_mean, values)]
+    assert np.mean(held) == pytest.approx(0.95, abs=0.014)
+    assert intervals.of_mean([1.0]) is None
+
+
+def test_what_two_share_cancels_in_their_ratio() -> None:
+    shared = np.random.default_rng(6).normal(1.0, 0.1, 8)
+    below, above = list(shared), list(3 * shared)
+    assert intervals.of_product(3.0, [(above, 1), (below, -1)]) == pytest.approx((3.0, 3.0))
+    low, high = intervals.of_product(3.0, [(above, 1), (below[::-1], -1)])
+    assert low < 2.9 and high > 3.1
+    assert intervals.of_product(3.0, [(above[:1], 1), (below, -1)]) is None
+
+
+def test_ratios_have_intervals_that_hold_the_truth() -> None:
+    """Of efficiencies, 500 times: errors and times that vary by a tenth from seed to seed. 4
+    standard errors about 95 % are 3.9 %.
+    """
+    chance = np.random.default_rng(8)
+    held = []
+    for _ in range(500):
+        factors = [(list(chance.normal(mean, 0.1 * mean, 5)), power)
+                   for mean, power in ((0.2, 1), (10, 1), (0.1, -1), (10, -1))]  # fmt: skip
+        ratio = math.prod(np.mean(values) ** power for values, power in factors)
+        low, high = intervals.of_product(ratio, factors)
+        held.append(low <= 2.0 <= high)
+    assert np.mean(held) == pytest.approx(0.95, abs=0.039)
+
+
+def test_the_jackknife_of_a_mean_is_the_interval_of_a_mean() -> None:
+    values = [1.0, 4.0, 2.0, 8.0]
+    jackknife = intervals.by_jackknife(4, lambda some: float(np.mean([values[i] for i in some])))
+    assert jackknife == pytest.approx(intervals.of_mean(values))
+    assert intervals.by_jackknife(2, lambda some: 0.0) is None
+
+
+def test_the_noise_of_the_reference_is_taken_off() -> None:
+    """In the mean over 40 references, to 4 standard errors."""
+    truth = reference_image()
+    chance = np.random.default_rng(12)
+    image = truth * (1 + 0.2 * chance.standard_normal(truth.shape))
+    exact = float(np.mean((image - truth) ** 2 / metrics.scale_of(truth)))
+    found, measured = [], []
+    for _ in range(40):
+        halves = truth * (1 + 0.2 * chance.standard_normal((2, *truth.shape)))
+        squared = metrics.squared_error(image, halves)
+        found.append(np.mean(squared / metrics.scale_of(truth)))
+        raw = (image - halves.mean(axis=0)) ** 2
+        measured.append(np.mean(raw / metrics.scale_of(truth)))
+    error = np.std(found, ddof=1) / math.sqrt(len(found))
+    assert abs(np.mean(found) - exact) < 4 * error < 0.05 * exact
+    assert np.mean(measured) == pytest.approx(1.5 * exact, rel=0.05)  # half of the variance is added
+
+
+def test_bias_is_told_from_variance() -> None:
+    """Images that are a tenth too dark, with noise: bias 0.01 and variance 0.04, over r^2 + ..."""
+    truth = reference_image()
+    chance = np.random.default_rng(13)
+    images = [0.9 * truth + 0.2 * truth * chance.standard_normal(truth.shape) for _ in range(8)]
+    runs = tuple(make_run(0, image=image.astype(np.float32)) for image in images)
+    result = make_comparison(culled=runs)
+    result.reference = noisy_reference(0.02)
+    figures = result.figures.samplers["culled"]
+    share = float(np.mean(truth**2 / metrics.scale_of(truth)))
+    assert figures.variance == pytest.approx(0.04 * share, rel=0.05)
+    assert figures.bias == pytest.approx(0.01 * share, rel=0.1)
+    assert figures.relmse == pytest.approx(figures.bias + figures.variance, rel=1e-6)
+    assert figures.intervals["bias"][0] > 0
+    right = [image + 0.1 * truth for image in images]
+    result = make_comparison(
+        culled=tuple(make_run(0, image=image.astype(np.float32)) for image in right)
+    )
+    result.reference = noisy_reference(0.02)
+    low, high = result.figures.samplers["culled"].intervals["bias"]
+    assert low < 0 < high < 0.001
+
+
+def test_the_worst_pixels_are_left_out_of_the_trimmed_mean() -> None:
+    image = reference_image()
+    image[3, 4] += 100  # the worst of 768: 0.1 % of them is a pixel
+    figures = make_comparison(culled=make_run(0, image=image)).figures.samplers["culled"]
+    assert figures.relmse_trimmed == 0 and figures.relmse_median == 0
+    assert figures.relmse > 1
+
+
+def test_lit_light_is_measured_and_emission_beside() -> None:
+    """An error of what the camera sees of lamps is in the whole image's, and in the floor."""
+    truth = reference_image()
+    emission = np.zeros_like(truth)
+    emission[:2] = 5
+    run = make_run(0, image=truth + emission * np.float32(1.1), lit=truth * np.float32(1.2),
+                   emission=emission * np.float32(1.1))  # fmt: skip
+    run.image = run.lit + run.emission
+    result = make_comparison(culled=make_run(0))
+    result.samplers = {"culled": (run,)}
+    result.reference = report.Reference(
+        np.stack([truth + emission] * 2), "x", 1, np.stack([truth] * 2), np.stack([emission] * 2)
+    )
+    figures = result.figures.samplers["culled"]
+    assert result.figures.measured == "lit"
+    assert figures.relmse == pytest.approx(metrics.relmse(run.lit, truth), rel=1e-4)
+    assert figures.relmse_image == pytest.approx(
+        metrics.relmse(run.image, truth + emission), rel=1e-4
+    )
+    floor = np.mean((0.1 * emission) ** 2 / metrics.scale_of(truth + emission))
+    assert figures.relmse_emission == pytest.approx(floor, rel=1e-4)
+
+
 # Comparison
 
 
@@ -217,15 +356,22 @@ def test_figures_of_a_sampler() -> None:
     result = make_comparison().figures
     uniform, culled = result.samplers["uniform"], result.samplers["culled:sets=16"]
     reference, image = reference_image(), make_run(0.4).image
-    assert uniform.relmse == metrics.relmse(image, reference)
-    assert uniform.relmse_blurred == metrics.relmse_blurred(image, reference)
-    assert uniform.relmse_blurred31 == metrics.relmse_blurred(image, reference, 31)
-    assert uniform.rmse == metrics.rmse(image, reference)
+    assert uniform.relmse == pytest.approx(metrics.relmse(image, reference))
+    assert uniform.relmse_measured == pytest.approx(metrics.relmse(image, reference))
+    assert uniform.relmse_image == pytest.approx(metrics.relmse(image, reference))
+    assert uniform.relmse_emission is None and result.measured == "image"
+    assert uniform.relmse_blurred == pytest.approx(metrics.relmse_blurred(image, reference))
+    assert uniform.relmse_blurred31 == pytest.approx(metrics.relmse_blurred(image, reference, 31))
+    assert uniform.rmse == pytest.approx(metrics.rmse(image, reference))
+    assert (uniform.repeats, uniform.intervals) == (1, {})
+    assert uniform.variance is None and uniform.bias is None
     assert uniform.selection_share == pytest.approx(1 / 8)
     assert uniform.ns_per_selection == pytest.approx(3000.0)
     assert uniform.rays_per_second == pytest.approx(4e6 / 8.0)
     assert uniform.efficiency == pytest.approx(1 / (uniform.relmse * 10.0))
-    assert uniform.error_curve == ((1.0, 0.4), (10.0, 0.04))
+    assert [(p.spp, p.seconds, p.relmse, p.low) for p in uniform.error_curve] == [
+        (6, 1.0, 0.4, None), (64, 10.0, 0.04, None)
+    ]  # fmt: skip
     assert uniform.ratio_to_uniform == 1
     # A quarter of the error, 16 times less relMSE, in half the time.
     assert culled.ratio_to_uniform == pytest.approx(32, rel=1e-3)
@@ -271,7 +417,7 @@ def test_json_has_exactly_these_keys(folder: Path) -> None:
         assert set(run) == SAMPLER_KEYS
     assert content["scene"] == "a <scene> & more"
     assert (content["width"], content["height"], content["max_depth"]) == (WIDTH, HEIGHT, 2)
-    assert content["reference"] == {"sampler": "exhaustive", "spp": 4096, "relmse_of_itself": 1e-6}
+    assert content["reference"] == {"sampler": "exhaustive", "spp": 4096, "relmse_of_itself": 0}
 
 
 def test_csv_says_what_json_says(folder: Path) -> None:
@@ -282,8 +428,9 @@ def test_csv_says_what_json_says(folder: Path) -> None:
     for row in rows:
         assert row["scene"] == content["scene"]
         for key in tables.RUN_COLUMNS:
-            assert float(row[key]) == content["samplers"][row["sampler"]][key]
-    assert set(tables.RUN_COLUMNS) == SAMPLER_KEYS - {"error_curve", "learned"}
+            figure = content["samplers"][row["sampler"]][key]
+            assert row[key] == "" if figure is None else float(row[key]) == figure
+    assert set(tables.RUN_COLUMNS) == SAMPLER_KEYS - {"error_curve", "learned", "metrics", "intervals"}
     with (folder / "error_curves.csv").open(newline="") as stream:
         points = [(row["sampler"], float(row["seconds"])) for row in csv.DictReader(stream)]
     assert points == [(name, at) for name in content["samplers"] for at in (1.0, 10.0)]
@@ -332,15 +479,11 @@ def test_error_maps_share_a_scale() -> None:
 
 
 def test_error_maps_average_to_the_figures() -> None:
-    run, reference = make_run(0.3), reference_image()
-    expected = {
-        "error": metrics.relmse(run.image, reference),
-        "blurred": metrics.relmse_blurred(run.image, reference),
-        "flip": metrics.flip(run.image, reference),
-    }
+    result = make_comparison(culled=make_runs([0.2, 0.3]))
     for kind in pictures.ERROR_MAPS:
-        values = pictures.error_values(kind, run.image, reference)
-        assert np.mean(values) == pytest.approx(expected[kind.key], rel=1e-5)
+        values = pictures.error_values(kind, result.samplers["culled"], result.measure)
+        figure = getattr(result.figures.samplers["culled"], kind.figure_key)
+        assert np.mean(values) == pytest.approx(figure, rel=1e-5)
 
 
 # What was learned
@@ -485,32 +628,92 @@ def test_page_shows_the_worst_against_the_best_first(page_text: str) -> None:
 def test_page_says_what_was_done(page_text: str) -> None:
     text = " ".join(Page(page_text).text)
     for said in ("a <scene> & more", "of <some> kind", "lightcull compare x --seconds 10",
-                 "32 times uniform and 8.0 times light_bvh", "direct light only"):  # fmt: skip
+                 "32 times uniform and 8.0 times light_bvh in efficiency, by one run each", "direct light only",
+                 "nothing is known of how sure"):  # fmt: skip
         assert said in text
     assert "<scene>" not in page_text and "<some>" not in page_text
 
 
-def test_page_marks_the_best_values(page_text: str) -> None:
-    rows = [row for row in page_text.split("<tr>") if 'name">culled:sets=16' in row]
-    marked, cells = {}, {}
-    for row, columns in zip(rows, (page.ERROR_COLUMNS, page.COST_COLUMNS), strict=True):
+def page_of(result: report.Comparison) -> str:
+    images = {"image": {}, **{kind.key: {} for kind in pictures.ERROR_MAPS}}
+    return page.render(result.figures, images, {}, "aces")
+
+
+def cells_of(text: str, sampler: str) -> dict[str, tuple[bool, str]]:
+    """By column: whether the value is marked as the best, and its text."""
+    rows = [row for row in text.split("<tr>") if f'name">{sampler}' in row]
+    cells = {}
+    costs = [column for column in page.COST_COLUMNS if column.key != "own_seconds"]
+    for row, columns in zip(rows, (page.ERROR_COLUMNS, page.DETAIL_COLUMNS, costs), strict=True):
         found = re.findall(r'<td( class="best")?>(.*?)</td>', row)[1:]
-        for column, (best, text) in zip(columns, found, strict=True):
-            marked[column.key], cells[column.key] = best, text
-    assert marked["relmse"] and marked["efficiency"] and marked["ratio_to_uniform"]
-    assert marked["relmse_blurred31"] and marked["ratio_to_light_bvh_blurred"]
-    assert not marked["accepted_per_point"] and not marked["seconds"]
-    assert set(marked) == set(tables.RUN_COLUMNS)
-    assert cells["selection_share"] == page.significant(100 / 3)
+        for column, (best, cell) in zip(columns, found, strict=True):
+            cells[column.key] = bool(best), cell
+    return cells
+
+
+def test_page_has_every_figure(page_text: str) -> None:
+    cells = cells_of(page_text, "culled:sets=16")
+    assert set(cells) == set(tables.RUN_COLUMNS) - {"repeats", "own_seconds"}
+    assert cells["selection_share"][1] == page.significant(100 / 3, 2)
+
+
+def test_page_marks_the_best_only_where_intervals_part() -> None:
+    """Of a single run nothing is the best."""
+    errors = {"uniform": [0.3, 0.31, 0.29], "a": [0.1, 0.12, 0.11], "b": [0.1, 0.13, 0.11]}
+    apart = page_of(make_comparison(a=make_runs(errors["a"]), uniform=make_runs(errors["uniform"])))
+    cells = cells_of(apart, "a")
+    for key in ("relmse", "relmse_blurred31", "efficiency", "ratio_to_uniform", "flip"):
+        assert cells[key][0], key
+    assert not cells["accepted_per_point"][0] and not cells["seconds"][0]
+    assert "±" in cells["relmse"][1] and "a is 7.4 times (" in apart
+    together = page_of(make_comparison(**{name: make_runs(of) for name, of in errors.items()}))
+    for name in errors:
+        assert not any(cells_of(together, name)[key][0] for key in ("relmse", "efficiency"))
+    assert "a and b do not differ in efficiency beyond chance" in together
+    single = page_of(make_comparison(a=make_run(0.1), uniform=make_run(0.3)))
+    assert not any(best for best, _ in cells_of(single, "a").values())
 
 
 def test_page_warns_of_a_noisy_reference() -> None:
-    clean = make_comparison()
-    noisy = make_comparison()
-    noisy.reference.relmse_of_itself = 0.1
-    images = {"image": {}, **{kind.key: {} for kind in pictures.ERROR_MAPS}}
-    pages = [page.render(made.figures, images, {}, "aces") for made in (clean, noisy)]
-    assert ["†" in page for page in pages] == [False, True]
+    clean, noisy = make_comparison(), make_comparison()
+    noisy.reference = noisy_reference(0.3)
+    assert ["†" in page_of(made) for made in (clean, noisy)] == [False, True]
+
+
+@pytest.mark.parametrize(
+    ("value", "interval", "text"),
+    [
+        (12.3456, (11.9, 12.8), "12.3 ±\u20090.5"),
+        (12.3456, (12.3316, 12.3596), "12.346 ±\u20090.014"),
+        (0.045, (0.036, 0.054), "0.045 ±\u20090.009"),
+        (0.0001, (-0.02, 0.02), "0.00 ±\u20090.02"),
+        (100.4, (77.0, 131.0), "100 ±\u200930"),
+        (54321.0, (54021.0, 54621.0), "54\u202f300 ±\u2009300"),
+        (3.21e-7, (3.0e-7, 3.42e-7), "3.2\u2009×\u200910⁻⁷ ±\u20090.2\u2009×\u200910⁻⁷"),
+        (8.0, (8.0, 8.0), "8"),
+        (0.0123456, None, "0.012"),
+        (1142.0, None, "1\u202f100"),
+        (None, None, "–"),
+    ],
+)
+def test_as_many_digits_as_are_known(
+    value: float | None, interval: tuple[float, float] | None, text: str
+) -> None:
+    assert " ".join(page.known(value, interval)).strip() == text
+
+
+def test_bands_are_drawn_where_intervals_are_known() -> None:
+    """And not for single runs."""
+    runs = make_runs([0.3, 0.4])
+    runs[1].curve = [report.Moment(6, 1.2, 0.5), report.Moment(64, 11.0, 0.05)]
+    several, single = (make_comparison(culled=of).figures for of in (runs, runs[:1]))
+    bands = [
+        len(plots.error_against_time(figures).axes[0].collections) for figures in (several, single)
+    ]
+    assert bands == [1, 0]
+    first, last = several.samplers["culled"].error_curve
+    assert (first.spp, first.seconds) == (6, pytest.approx(1.1))
+    assert first.low < 0.4 and first.high > 0.5 and first.relmse == pytest.approx(0.45)
 
 
 def test_plot_has_a_curve_for_each_sampler() -> None:
@@ -521,6 +724,34 @@ def test_plot_has_a_curve_for_each_sampler() -> None:
         assert f">{text}<" in svg
     for color in plots.sampler_colors(list(result.samplers)).values():
         assert color in svg
+
+
+def test_long_names_leave_room_for_the_curves() -> None:
+    name = "learned:rounds=96:memory=64:accepted=32"
+    assert plots.shortened(name) == "learned:roun…:accepted=32"
+    assert plots.shortened("light_bvh:importance=mean") == "light_bvh:importance=mean"
+    figures = make_comparison(**{name: make_run(0.1)}).figures
+    svg = plots.to_svg(plots.error_against_time(figures))
+    assert ">learned:roun…:accepted=32<" in svg and name not in svg
+
+
+def test_a_headline_names_few_rivals() -> None:
+    runs = {name: make_runs([0.1, 0.12, 0.11]) for name in "abcd"}
+    assert " and 3 others do not differ in efficiency beyond chance" in page_of(make_comparison(**runs))
+
+
+def test_metrics_that_were_asked_for_have_columns() -> None:
+    """Less is the best of those that are known; of functions nothing is."""
+    def darker(image: np.ndarray, reference: np.ndarray) -> np.ndarray:
+        return reference - image
+
+    result = make_comparison(a=make_runs([0.1, 0.12, 0.11]), b=make_runs([0.3, 0.31, 0.29]))
+    result.metrics = {"mape": report.METRICS["mape"], "darker": darker}
+    text = page_of(result)
+    (row,) = [row for row in text.split("<tr>") if 'name">a<' in row and "FLIP" not in row][1:2]
+    *_, mape, other = re.findall(r'<td( class="best")?>', row)
+    assert mape and not other
+    assert "<th>mape</th><th>darker</th>" in text
 
 
 def test_sampler_colors_differ() -> None:

@@ -9,6 +9,7 @@ import re
 from .._core import Error, instruction_sets
 from ..checks import MOST_32_BITS, MOST_64_BITS, MOST_PIXELS
 from ..rendering.method import check_method
+from ..report import METRICS
 from ..sampler import check_description
 
 MITSUBA_PATH = "path"
@@ -84,6 +85,17 @@ def method(text: str) -> str:
 
 def method_list(text: str) -> list[str]:
     return [method(description) for description in text.split(",")]
+
+
+def metric_list(text: str) -> list[str]:
+    """Names of metrics, between commas."""
+    names = text.split(",")
+    for name in names:
+        if name not in METRICS:
+            raise argparse.ArgumentTypeError(
+                f"{name!r} is unknown; there are {', '.join(METRICS)}"
+            )
+    return names
 
 
 def sampler_list(text: str) -> list[str]:

@@ -9,6 +9,7 @@ from rich.table import Table
 from ..comparing.compare import compare
 from ..methods import compare_methods
 from ..report import ComparisonFigures
+from ..report.page import text_of
 from .options import CompareMethodsOptions, CompareOptions
 from .progress_bars import Bars
 
@@ -28,6 +29,10 @@ def run(options: CompareOptions, messages: Console) -> bool:
             rr_depth=options.rr_depth,
             direct_light=options.direct_light,
             reference_seconds=options.reference_seconds,
+            repeats=options.repeats,
+            mask=options.mask,
+            metrics=options.metrics,
+            slices=options.slices,
             folder=options.folder,
             command=options.command,
             progress=bars,
@@ -38,25 +43,28 @@ def run(options: CompareOptions, messages: Console) -> bool:
     return not comparison.interrupted
 
 
+_COLUMNS = {
+    "spp": "spp",
+    "s": "seconds",
+    "ns/select": "ns_per_selection",
+    "relMSE": "relmse",
+    "of lamps": "relmse_emission",
+    "x uniform": "ratio_to_uniform",
+    "x light_bvh": "ratio_to_light_bvh",
+}
+"""What is printed of a sampler's figures, by heading."""
+
+
 def _table(figures: ComparisonFigures) -> Table:
-    table = Table("sampler", box=SIMPLE)
-    for heading in ("spp", "seconds", "ns/select", "relMSE", "x uniform", "x light_bvh"):
+    """Intervals stand below their figures, so that there is room for names."""
+    table = Table(box=SIMPLE, padding=(0, 1, 0, 0))
+    table.add_column("sampler", overflow="fold", min_width=10)
+    for heading in _COLUMNS:
         table.add_column(heading, justify="right", no_wrap=True)
-    for name, sampler in figures.samplers.items():
-        table.add_row(
-            name,
-            f"{sampler.spp:,}",
-            f"{sampler.seconds:.2f}",
-            _number(sampler.ns_per_selection, ".0f"),
-            _number(sampler.relmse, ".3g"),
-            _number(sampler.ratio_to_uniform, ".3g"),
-            _number(sampler.ratio_to_light_bvh, ".3g"),
-        )
+    for name, run in figures.samplers.items():
+        cells = [text_of(run, key) for key in _COLUMNS.values()]
+        table.add_row(name, *("\n".join(filter(None, cell)) for cell in cells))
     return table
-
-
-def _number(value: float | None, form: str) -> str:
-    return "-" if value is None else format(value, form)
 
 
 def run_methods(options: CompareMethodsOptions, messages: Console) -> bool:

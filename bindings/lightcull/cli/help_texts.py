@@ -69,20 +69,24 @@ alpha=2 (accuracy) and samples=4 (shadow rays per pixel). New virtual lights are
 
 COMPARE = """\
 examples:
-  lightcull compare lanterns --samplers uniform,learned --seconds 20
+  lightcull compare lanterns --samplers uniform,learned --seconds 20 --repeats 5
   lightcull compare city --samplers light_bvh,culled,learned -o report-city
   lightcull compare cornell --samplers culled:sets=16,culled:sets=64 --spp 64
   lightcull compare --host mitsuba scene.xml --samplers path,learned
   lightcull compare cornell --methods path,vpl_culled,vpl_clamped,vpl_grid -o report-methods
 
 Builds and refits count as render time. The samplers take turns, so that a noisy machine is fair to
-all. A reference is rendered first, for 8 times as long, by learned with seeds of its own, and kept in
-~/.cache/lightcull. The folder gets index.html, report.json, report.csv and the images.
+all. With --repeats each renders several times with other seeds, all side by side: from two on
+figures have 95 % intervals, and variance is told from bias. What is measured is the light that falls
+on surfaces; the error of lamps that the camera sees directly, which is the same for all, is shown
+beside. A reference is rendered first, for 8 times as long, by learned with seeds of its own, and kept
+in ~/.cache/lightcull; its noise is taken off the errors. The folder gets index.html, report.json,
+report.csv and the images.
 
 With --methods each method renders for --seconds, and then virtual lights are counted and timed from
 1,024 light paths to --most-lights: stochastic tiled lighting against constant ranges, spheroids
 against spheres, tiles against splatting, imperfect shadow maps, the lighting grid hierarchy. The folder gets index.html,
-methods.json and the images."""
+report.json, a CSV file for each table and the images."""
 
 BENCH = """\
 examples:

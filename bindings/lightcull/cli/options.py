@@ -15,7 +15,7 @@ import numpy as np
 
 from .. import bench
 from .._core import Error
-from ..images import apply_view, check_format
+from ..images import apply_view, check_format, read_image
 from ..methods.studies import MOST_LIGHTS
 from ..output_files import check_output, check_writable
 from ..rendering.method import PATH
@@ -65,6 +65,10 @@ class CompareOptions:
     rr_depth: int
     direct_light: str
     reference_seconds: float | None
+    repeats: int
+    mask: np.ndarray | None
+    metrics: tuple[str, ...]
+    slices: int
     folder: Path
     command: str
 
@@ -190,16 +194,33 @@ def _compare(parsed: argparse.Namespace, command: str) -> CompareOptions | Compa
         rr_depth=parsed.rr_depth or RR_DEPTH,
         direct_light=parsed.direct_light or "mis",
         reference_seconds=parsed.reference_seconds,
+        repeats=parsed.repeats or 1,
+        mask=_mask(parsed.mask, size),
+        metrics=tuple(parsed.metrics or ()),
+        slices=parsed.slices or 0,
         folder=folder,
         command=command,
     )
+
+
+def _mask(path: str | None, size: tuple[int, int]) -> np.ndarray | None:
+    if path is None:
+        return None
+    image = read_image(path, linear_data=True)
+    if image.shape[:2] != (size[1], size[0]):
+        height, width = image.shape[:2]
+        raise Error(f"{path}: a mask of {width}x{height} for an image of {size[0]}x{size[1]}")
+    mask = np.asarray((image > 0).any(axis=2))
+    if not mask.any():
+        raise Error(f"{path}: a mask that is black: no pixel counts")
+    return mask
 
 
 def _compare_methods(parsed: argparse.Namespace, command: str) -> CompareMethodsOptions:
     folder = _report_folder(parsed)
     if parsed.spp is not None:
         raise Error("--spp: methods are compared in equal time, give --seconds")
-    for name in ("samplers", "reference_seconds", "rr_depth", "direct_light"):
+    for name in _OF_SAMPLERS:
         if getattr(parsed, name) is not None:
             raise Error(f"--{name.replace('_', '-')}: not with --methods")
     scene, size, max_depth = open_any(parsed, BOUNCED_DEPTH)
@@ -217,6 +238,11 @@ def _compare_methods(parsed: argparse.Namespace, command: str) -> CompareMethods
         folder=folder,
         command=command,
     )
+
+
+_OF_SAMPLERS = ("samplers", "reference_seconds", "rr_depth", "direct_light", "repeats", "mask",
+                "metrics", "slices")  # fmt: skip
+"""Options of a comparison of samplers alone."""
 
 
 def _report_folder(parsed: argparse.Namespace) -> Path:

@@ -13,6 +13,7 @@ from ..comparing.compare import DEFAULT_SAMPLERS
 from ..methods.studies import MOST_LIGHTS
 from ..rendering.method import METHODS, PATH
 from ..rendering.settings import DIRECT_LIGHT, RR_DEPTH
+from ..report import METRICS
 from . import argument_types as types
 from . import help_texts as texts
 from .messages import one_line
@@ -75,6 +76,22 @@ def make_parser() -> argparse.ArgumentParser:
         metavar="S",
         help="render time of the reference; default: 8 times that of a sampler",
     )
+    compare.add_argument(
+        "--repeats", type=types.from_one, metavar="N",
+        help="runs of each sampler, with seeds of their own, for 95 %% intervals; default: 1",
+    )  # fmt: skip
+    compare.add_argument(
+        "--mask", metavar="FILE",
+        help="image, as large as the one that is rendered: pixels that are not black there count",
+    )  # fmt: skip
+    compare.add_argument(
+        "--metrics", type=types.metric_list, metavar="A,B,...",
+        help=f"errors that are taken besides, of {', '.join(METRICS)}",
+    )  # fmt: skip
+    compare.add_argument(
+        "--slices", type=types.from_one, metavar="N",
+        help="write the samples of each run in N parts, too, as raw images",
+    )  # fmt: skip
     _add_shared(compare, seconds=30, output="report", output_help="folder to write")
 
     info = add("info", "say what is in a scene, and what memory it takes", texts.INFO)

@@ -4,17 +4,25 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
-from .. import machine
+import numpy as np
+
+from .. import checks, machine
 from .._core import Error
 from ..output_files import check_writable
 from ..rendering.budget import Budget
+from ..rendering.job import SubjectJob
+from ..rendering.own_sampler import SamplerChoice, check_choice
 from ..rendering.progress import Progress, ProgressCallback
 from ..rendering.settings import RR_DEPTH, RenderSettings
-from ..rendering.subject import Subject, subject_of
-from ..report import Comparison, Reference, SamplerRun, write
+from ..rendering.subject import OwnSubject, Subject, subject_of
+from ..report import Comparison, Measure, Metric, Reference, SamplerRun, write
+from ..report.errors import metrics_by_name
+from ..report.metrics import relmse
+from ..report.write import check_names
 from ..scene import Scene
 from .contender import Contender
 from .reference import ReferenceOrder, reference_for
@@ -35,17 +43,18 @@ _TOLERANCE = 1.03
 _PATIENCE = 2
 """How much more of the budget may be used up to get there."""
 _REFERENCE_EFFORT = 8
-"""Of the reference, as a multiple of what each sampler has."""
+"""Of the reference, as a multiple of what each run has."""
 _REFERENCE_NOISE = 0.2
 """What it may add to the error of a sampler."""
 
 
 def compare(
     scene: Scene | Subject,
-    samplers: Sequence[str] | None = None,
+    samplers: Sequence[str] | Mapping[str, SamplerChoice] | None = None,
     *,
     seconds: float | None = None,
     spp: int | None = None,
+    repeats: int = 1,
     size: tuple[int, int] = (320, 240),
     max_depth: int = 2,
     seed: int = 0,
@@ -53,6 +62,9 @@ def compare(
     rr_depth: int = RR_DEPTH,
     direct_light: str = "mis",
     reference_seconds: float | None = None,
+    mask: np.ndarray | None = None,
+    metrics: Sequence[str | Metric] = (),
+    slices: int = 0,
     folder: str | os.PathLike[str] | None = None,
     command: str = "",
     progress: ProgressCallback | None = None,
@@ -62,20 +74,37 @@ def compare(
     The time of a sampler is that of its builds, refits, pilots and passes, equal within 3 %. The
     samplers take turns, so that a noisy machine is fair to all. With spp, each renders as many
     samples per pixel instead. samplers: descriptions as in `LightSampler`; None: uniform, power,
-    light_bvh, culled and learned. size: width and height, pixels. max_depth: longest path, in
+    light_bvh, culled and learned; or by the names under which they are shown descriptions, and
+    samplers of one's own: what makes an `OwnSampler` of the scene, as a class does, or a
+    `SamplerLibrary`. scene: a `Subject` for a whole renderer of one's own. size: width and height, pixels. max_depth: longest path, in
     edges: 2 is direct light. rr_depth, direct_light: as in `render`. threads: 0 for all.
+
+    repeats: runs of each sampler, with the seeds seed, seed + 1 and so on, each for `seconds`; all
+    runs of all samplers take turns side by side, and are in memory at once. From two on there are
+    95 % intervals for every figure and ratio, and variance and bias are told apart. One run says
+    nothing of how sure its figures are: five are better.
+
+    What is measured is the light that falls on surfaces: emission that the camera sees directly is
+    the same whatever samples lights, is kept apart, and its error is shown beside, as the floor
+    that all share. mask: bool (height, width), True for the pixels that errors are means over.
+
+    metrics: errors that are taken besides, by name (relmse, mape, smape, flip: as published, with
+    the noise of the reference in them) or as functions of an image and the reference, float32
+    (height, width, 3), that give an error map or a number. slices: parts into which the samples of
+    each run are kept besides, as raw images, each of an equal share of its time; 0: none.
 
     The reference is rendered by `learned` (by `culled` where glossy virtual lights are among the
     lights), with seeds of its own, and kept in $XDG_CACHE_HOME/lightcull (or ~/.cache/lightcull).
-    reference_seconds: its wall time; without it, 8 times what each sampler has.
+    reference_seconds: its wall time; without it, 8 times what each run has. Its own noise, known
+    from its two halves, is taken off the errors.
 
-    What is returned has the images, what each sampler took, and as `figures` the errors, costs and
+    What is returned has the images, what each run took, and as `figures` the errors, costs and
     ratios: `lightcull.report.ComparisonFigures`, which is what report.json holds.
 
     folder: where a report is written: index.html, report.json, report.csv and images; None: none.
     command: what the report says made it. progress: called between passes.
 
-    Ctrl-C ends it: samplers that have an image by then are returned and reported. A Ctrl-C before
+    Ctrl-C ends it: runs that have an image by then are returned and reported. A Ctrl-C before
     that, while the reference is rendered, is a KeyboardInterrupt.
     """
     if isinstance(samplers, str):
@@ -85,60 +114,121 @@ def compare(
         samplers = (*DEFAULT_SAMPLERS, subject.best_sampler)
     if not samplers:
         raise Error("samplers: wanted one at least")
-    for description in samplers:
-        subject.check_sampler(description)
+    choices = _choices(subject, samplers)
+    check_names(tuple(choices))
     if folder is not None:
         check_writable(folder)
-    settings = RenderSettings(size, max_depth, seed, threads, rr_depth, direct_light)
-    comparing = _Comparing(subject, samplers, settings, Budget(spp, seconds), progress)
-    reference = comparing.reference(reference_seconds)
-    comparing.run(reference)
-    result = comparing.result(reference, command)
+    settings = RenderSettings(
+        size, max_depth, seed, threads, rr_depth, direct_light, emission_apart=True
+    )
+    checks.whole_number("repeats", repeats, 1)
+    checks.whole_number("slices", slices)
+    _check_mask(mask, settings)
+    plan = _Plan(
+        subject, choices, settings, Budget(spp, seconds), repeats, mask,
+        metrics_by_name(metrics, settings.size), slices,
+    )  # fmt: skip
+    comparing = _Comparing(plan, progress)
+    comparing.render_reference(reference_seconds)
+    comparing.run()
+    result = comparing.result(command)
     if folder is not None:
         write(result, Path(folder))
     return result
 
 
+def _choices(
+    subject: Subject, samplers: Sequence[str] | Mapping[str, SamplerChoice]
+) -> dict[str, SamplerChoice]:
+    """The samplers by name, which have been found to work."""
+    if not isinstance(samplers, Mapping):
+        for description in samplers:
+            subject.check_sampler(description)
+        return {description: description for description in samplers}
+    for name, choice in samplers.items():
+        checks.text("sampler", name)
+        check_choice(name, choice)
+        if isinstance(choice, str):
+            subject.check_sampler(choice)
+        elif isinstance(subject, OwnSubject):
+            subject.try_own(name, choice)
+        else:
+            raise Error(f"sampler {name!r}: samplers of one's own are for scenes of ours")
+    return dict(samplers)
+
+
+def _check_mask(mask: np.ndarray | None, settings: RenderSettings) -> None:
+    if mask is None:
+        return
+    width, height = settings.size
+    if not isinstance(mask, np.ndarray) or (mask.dtype, mask.shape) != (bool, (height, width)):
+        got = f"{mask.dtype} {mask.shape}" if isinstance(mask, np.ndarray) else type(mask).__name__
+        raise TypeError(f"mask: wanted a bool array of shape {(height, width)}, got {got}")
+    if not mask.any():
+        raise Error("mask: has no pixel that counts")
+
+
+@dataclass(frozen=True)
+class _Plan:
+    """What is to be compared."""
+
+    scene: Subject
+    samplers: dict[str, SamplerChoice]
+    settings: RenderSettings
+    budget: Budget
+    """Of a run."""
+    repeats: int
+    mask: np.ndarray | None
+    metrics: dict[str, Metric]
+    slices: int
+
+    def new_job(self, name: str, repeat: int) -> SubjectJob:
+        seed = (self.settings.seed + repeat) % (checks.MOST_64_BITS + 1)
+        settings, choice = replace(self.settings, seed=seed), self.samplers[name]
+        if isinstance(choice, str):
+            return self.scene.new_job(choice, settings, self.budget.spp)
+        assert isinstance(self.scene, OwnSubject)  # as _choices() has seen
+        return self.scene.new_own_job(name, choice, settings)
+
+
 class _Comparing:
     """A comparison under way."""
 
-    def __init__(
-        self,
-        scene: Subject,
-        samplers: Sequence[str],
-        settings: RenderSettings,
-        budget: Budget,
-        progress: ProgressCallback | None,
-    ) -> None:
-        self._scene = scene
-        self._samplers = tuple(dict.fromkeys(samplers))
-        self._settings = settings
-        self._budget = budget
+    def __init__(self, plan: _Plan, progress: ProgressCallback | None) -> None:
+        self._plan = plan
+        self._budget = plan.budget
         self._progress = progress
+        self._reference: Reference
         self._contenders: list[Contender] = []
         self._interrupted = False
 
-    def reference(self, seconds: float | None) -> Reference:
+    def render_reference(self, seconds: float | None) -> None:
         """The reference, from the cache or rendered."""
+        plan = self._plan
         budget = self._budget.times(_REFERENCE_EFFORT)
         if seconds is not None:
             budget = Budget(None, seconds)
-        order = ReferenceOrder(self._scene, self._settings, budget)
-        samplers_left = len(self._samplers) * (self._budget.seconds or 0.0)
+        order = ReferenceOrder(plan.scene, plan.settings, budget)
+        runs_left = len(plan.samplers) * plan.repeats * (self._budget.seconds or 0.0)
 
         def report(fraction: float, spp: int, seconds_left: float) -> None:
             if self._progress is not None:
-                left = seconds_left + samplers_left
+                left = seconds_left + runs_left
                 self._progress(Progress("reference", fraction, spp, left))
 
-        return reference_for(order, report)
+        self._reference = reference_for(order, report)
 
-    def run(self, reference: Reference) -> None:
-        """Renders in turns: always the sampler that has had the least."""
+    def run(self) -> None:
+        """Renders in turns: always the run that has had the least."""
+        plan = self._plan
+        measure = Measure(self._reference, plan.mask)
         try:
-            for sampler in self._samplers:
-                job = self._scene.new_job(sampler, self._settings, self._budget.spp)
-                self._contenders.append(Contender(job, self._budget, reference))
+            for repeat in range(plan.repeats):
+                for name in plan.samplers:
+                    job = plan.new_job(name, repeat)
+                    self._contenders.append(
+                        Contender(name, job, self._budget, measure, plan.slices)
+                    )
             while (contender := self._next()) is not None:
                 self._give_turn(contender)
         except KeyboardInterrupt:
@@ -146,26 +236,33 @@ class _Comparing:
         for contender in self._contenders:
             contender.finish()
 
-    def result(self, reference: Reference, command: str) -> Comparison:
-        """What was found. Throws KeyboardInterrupt if no sampler has an image yet."""
-        runs = {c.job.sampler: c.result() for c in self._contenders if c.used > 0}
+    def result(self, command: str) -> Comparison:
+        """What was found. Throws KeyboardInterrupt if no run has an image yet."""
+        runs: dict[str, list[SamplerRun]] = {}
+        for contender in self._contenders:
+            if contender.used > 0:
+                runs.setdefault(contender.name, []).append(contender.result())
         if not runs:
             raise KeyboardInterrupt
-        _check_noise(reference, runs)
-        width, height = self._settings.size
-        return Comparison(
-            scene=self._scene.name,
+        plan, settings = self._plan, self._plan.settings
+        width, height = settings.size
+        comparison = Comparison(
+            scene=plan.scene.name,
             width=width,
             height=height,
-            max_depth=self._settings.max_depth,
-            threads=self._settings.threads or machine.core_count(),
-            seconds=self._budget.seconds or max(run.seconds for run in runs.values()),
-            machine=machine.describe() | {"lights": str(self._scene.light_count)},
-            reference=reference,
-            samplers=runs,
+            max_depth=settings.max_depth,
+            threads=settings.threads or machine.core_count(),
+            seconds=self._budget.seconds or max(r.seconds for of in runs.values() for r in of),
+            machine=machine.describe() | {"lights": str(plan.scene.light_count)},
+            reference=self._reference,
+            samplers={name: tuple(of_sampler) for name, of_sampler in runs.items()},
             command=command,
             interrupted=self._interrupted,
+            mask=plan.mask,
+            metrics=plan.metrics,
         )
+        _check_noise(comparison)
+        return comparison
 
     def _next(self) -> Contender | None:
         """Who is to go on; nobody when all have had the same."""
@@ -206,18 +303,23 @@ class _Comparing:
             return
         end = max(self._budget.total, *(c.used for c in self._contenders))
         left = sum(self._budget.seconds_left(c.job.stats(), end) for c in self._contenders)
-        stats = contender.job.stats()
-        fraction = min(contender.used / self._budget.total, 1.0)
-        self._progress(Progress(contender.job.sampler, fraction, stats.spp, left))
+        runs = [c for c in self._contenders if c.name == contender.name]
+        done = sum(min(c.used / self._budget.total, 1.0) for c in runs) / len(runs)
+        self._progress(Progress(contender.name, done, contender.job.stats().spp, left))
 
 
-def _check_noise(reference: Reference, runs: dict[str, SamplerRun]) -> None:
+def _check_noise(comparison: Comparison) -> None:
     """Warns where the reference's own noise is a good part of what is measured."""
-    name, error = min(((n, run.curve[-1][1]) for n, run in runs.items()), key=lambda run: run[1])
-    noise = reference.relmse_of_itself
-    if noise > _REFERENCE_NOISE * (error - noise):
+    reference = comparison.reference.lit_image
+    errors = {
+        name: relmse(runs[0].lit_image, reference)
+        for name, runs in comparison.samplers.items()
+    }
+    name = min(errors, key=lambda name: errors[name])
+    noise = comparison.reference.relmse_of_itself
+    if noise > _REFERENCE_NOISE * (errors[name] - noise):
         warnings.warn(
             f"the noise of the reference (relMSE {noise:.2g}) is a good part of the error measured "
-            f"for {name} ({error:.2g}): give the reference more time",
-            stacklevel=3,
+            f"for {name} ({errors[name]:.2g}): it is taken off, but give the reference more time",
+            stacklevel=4,
         )

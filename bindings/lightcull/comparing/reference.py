@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from io import BytesIO
 from pathlib import Path
-from typing import TypeAlias
+from typing import Any, TypeAlias
 from zipfile import BadZipFile
 
 import numpy as np
@@ -20,14 +20,15 @@ from .. import machine
 from .._core import Error
 from ..output_files import write_whole_file
 from ..rendering.budget import Budget
-from ..rendering.job import Job
+from ..rendering.job import SubjectJob
 from ..rendering.settings import RenderSettings
 from ..rendering.subject import Subject
 from ..report import Reference
-from ..report.metrics import relmse_of_mean
 
 ReferenceProgress: TypeAlias = Callable[[float, int, float], None]
 
+_FORMAT = 2
+"""Of what is kept."""
 _SEEDS = (0x52454641, 0x52454642)
 """Of the two halves; no sampler under test is likely to be given one of them."""
 
@@ -52,7 +53,7 @@ class ReferenceOrder:
         of_settings = (
             settings.size, settings.max_depth, settings.rr_depth, settings.direct_light,
         )  # fmt: skip
-        parts = (self.scene.digest(), self.sampler, of_settings, _SEEDS, machine.build_id())
+        parts = (self.scene.digest(), self.sampler, of_settings, _SEEDS, _FORMAT, machine.build_id())
         return hashlib.blake2b(json.dumps(parts).encode(), digest_size=16).hexdigest()
 
 
@@ -67,18 +68,23 @@ def reference_for(order: ReferenceOrder, progress: ReferenceProgress) -> Referen
     if cached is not None:
         return cached
     halves = [_render_half(order, index, progress) for index in (0, 1)]
-    images = [job.image() for job in halves]
     reference = Reference(
-        image=(0.5 * (images[0] + images[1])).astype(np.float32),
+        halves=np.stack([job.image() for job in halves]),
         sampler=order.sampler,
         spp=sum(job.stats().spp for job in halves),
-        relmse_of_itself=relmse_of_mean(*images),
+        lit=_stacked([job.lit() for job in halves]),
+        emission=_stacked([job.emission() for job in halves]),
     )
     _write(path, order, reference)
     return reference
 
 
-def _render_half(order: ReferenceOrder, index: int, progress: ReferenceProgress) -> Job:
+def _stacked(halves: list[np.ndarray | None]) -> np.ndarray | None:
+    known = [half for half in halves if half is not None]
+    return np.stack(known) if known else None
+
+
+def _render_half(order: ReferenceOrder, index: int, progress: ReferenceProgress) -> SubjectJob:
     settings = replace(order.settings, seed=_SEEDS[index])
     half = order.budget.times(0.5)
     job = order.scene.new_job(order.sampler, settings, half.spp)
@@ -104,10 +110,11 @@ def _read(path: Path, order: ReferenceOrder) -> Reference | None:
             if float(data["budget"]) < order.budget.total or str(data["unit"]) != _unit(order):
                 return None
             return Reference(
-                image=data["image"],
+                halves=data["halves"],
                 sampler=order.sampler,
                 spp=int(data["spp"]),
-                relmse_of_itself=float(data["relmse_of_itself"]),
+                lit=data["lit"] if "lit" in data else None,
+                emission=data["emission"] if "emission" in data else None,
             )
     except (OSError, EOFError, KeyError, ValueError, BadZipFile, zlib.error) as error:
         warnings.warn(f"{path}: broken, rendered anew: {error}", stacklevel=2)
@@ -116,14 +123,10 @@ def _read(path: Path, order: ReferenceOrder) -> Reference | None:
 
 def _write(path: Path, order: ReferenceOrder, reference: Reference) -> None:
     data = BytesIO()
-    np.savez(
-        data,
-        image=reference.image,
-        spp=reference.spp,
-        relmse_of_itself=reference.relmse_of_itself,
-        budget=order.budget.total,
-        unit=_unit(order),
-    )
+    arrays = {"halves": reference.halves, "lit": reference.lit, "emission": reference.emission}
+    known: dict[str, Any] = {name: part for name, part in arrays.items() if part is not None}
+    known |= {"spp": reference.spp, "budget": order.budget.total, "unit": _unit(order)}
+    np.savez(data, **known)
     try:
         write_whole_file(path, data.getvalue())
     except Error as error:

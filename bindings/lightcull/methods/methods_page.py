@@ -1,4 +1,6 @@
-"""The report's folder: index.html, methods.json, and a PNG and an EXR for each picture."""
+"""The report's folder: index.html, report.json, a CSV file for each study, and a PNG and an EXR for
+each picture.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +16,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from ..images import view_names, write_exr
 from ..output_files import write_whole_file
-from ..report import page, pictures, plots
+from ..report import page, pictures, plots, tables
 from ..report.write import file_stem
 from .findings import Cell, MethodReport, Plot
 
@@ -39,8 +41,10 @@ def write(report: MethodReport, folder: Path) -> Path:
                 write_exr(str(folder / f"{stem}.exr"), picture.image.astype(np.float32))
             images[picture.name] = base64.b64encode(png).decode("ascii")
     write_whole_file(
-        folder / "methods.json", (json.dumps(report.figures(), indent=2) + "\n").encode()
+        folder / "report.json", (json.dumps(report.figures(), indent=2) + "\n").encode()
     )
+    for study in report.studies:
+        tables.write_lines(folder / f"{study.key}.csv", [study.table.columns, *study.table.rows])
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("lightcull.methods", "."),
         autoescape=True,

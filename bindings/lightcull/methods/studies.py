@@ -38,7 +38,8 @@ def compare_methods(
     lights scale from 1024 to `most_lights` light paths, with any culling volume, shadow map and grid.
 
     methods: descriptions as in `render`. size: width and height, pixels. max_depth: 3 to 5.
-    threads: 0 for all. folder: where index.html, methods.json and pictures are written; None: none.
+    threads: 0 for all. folder: where index.html, report.json, a CSV file of each study's
+    table and pictures are written; None: none.
     command: what the report says made it. progress: called with what is being done, in words.
     """
     if isinstance(methods, str):

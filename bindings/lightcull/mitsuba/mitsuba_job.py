@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import hashlib
-import math
 import time
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from ..rendering.job import SubjectJob
 from ..rendering.statistics import Stats
 from .host import mitsuba
 
@@ -18,7 +17,7 @@ _SECONDS_PER_PASS = 0.5
 more where the set-up is long."""
 
 
-class MitsubaJob:
+class MitsubaJob(SubjectJob):
     """A render that goes pass by pass, and its clock."""
 
     def __init__(
@@ -52,29 +51,6 @@ class MitsubaJob:
         mean: np.ndarray = (self._sum / self._spp).astype(np.float32)
         return mean
 
-    def mean_counts(self) -> NoCounts:
-        return NoCounts()
-
-    def learned_view(self) -> None:
-        """What is learned inside Mitsuba is not to be seen."""
-
     def stats(self) -> Stats:
         """Of which Mitsuba tells only samples and seconds."""
-        return Stats(
-            spp=self._spp,
-            seconds=self._seconds,
-            setup_seconds=0.0,
-            selection_seconds=math.nan,
-            selections=0,
-            rays=0,
-            sampler_seconds=math.nan,
-        )
-
-
-@dataclass(frozen=True)
-class NoCounts:
-    """Nobody counts inside Mitsuba."""
-
-    accepted: float = math.nan
-    nodes_visited: float = math.nan
-    lights_tested: float = math.nan
+        return Stats(self._spp, self._seconds)

@@ -12,9 +12,8 @@ from .statistics import Stats
 class Job(Protocol):
     """A render that goes pass by pass, and its clock."""
 
-    @property
-    def sampler(self) -> str:
-        """Its description."""
+    sampler: str
+    """Its description."""
 
     def render_pass(self) -> None:
         """Adds some samples to every pixel."""
@@ -26,16 +25,30 @@ class Job(Protocol):
         """What it took so far."""
 
 
-class CountingJob(Job, Protocol):
-    """A render that knows what its selections cost, and what its sampler has learned."""
+class SubjectJob(Job, Protocol):
+    """A render of a `Subject`: a class of one's own derives from this, and has the four of `Job` at
+    least; what else it knows it tells by the others.
+    """
 
-    def mean_counts(self) -> SelectionCounts:
-        """Mean cost of one selection; not a number where nobody counts."""
+    def lit(self) -> np.ndarray | None:
+        """The part of `image()` that is not `emission()`; None where that is not kept apart."""
+        return None
+
+    def emission(self) -> np.ndarray | None:
+        """The part of `image()` that the camera sees of emitters directly: float32 (H, W, 3); None
+        where it is not kept apart.
+        """
+        return None
+
+    def mean_counts(self) -> SelectionCounts | None:
+        """Mean cost of one selection; None where nobody counts."""
+        return None
 
     def learned_view(self) -> LearnedView | None:
         """What was learned, as the image's pixels see it; None where nothing was, or a host does not
         tell.
         """
+        return None
 
 
 class SelectionCounts(Protocol):

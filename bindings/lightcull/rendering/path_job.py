@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from .. import _core, checks
 from ..scene import Scene
 from .checkpoint import Checkpoint
+from .own_sampler import GuardedSampler, SamplerChoice, SamplerLibrary
 from .settings import RenderSettings
 from .statistics import Stats
 
@@ -14,18 +17,32 @@ from .statistics import Stats
 class PathJob:
     """A render that goes pass by pass, and its clock: set-up and passes, nothing else."""
 
-    def __init__(self, scene: Scene, sampler: str, settings: RenderSettings) -> None:
-        self.sampler = checks.text("sampler", sampler)
-        self._setup_seconds_before = 0.0
+    def __init__(
+        self, scene: Scene, sampler: SamplerChoice, settings: RenderSettings, name: str = ""
+    ) -> None:
+        """name: of a sampler of one's own, for errors."""
         self._scene = scene.closed()
+        self._own: GuardedSampler | None = None
+        chosen: str | _core.SamplerLibrary | GuardedSampler
+        if isinstance(sampler, SamplerLibrary):
+            chosen = _core.SamplerLibrary(sampler.path, sampler.description)
+        elif callable(sampler):
+            chosen = self._own = GuardedSampler(name, sampler, scene)
+        else:
+            chosen = checks.text("sampler", sampler)
+        self.sampler = chosen if isinstance(chosen, str) else name
+        self._setup_seconds_before = 0.0 if self._own is None else self._own.setup_seconds
         self._renderer = _core.Renderer(
-            self._scene, sampler, *settings.size, settings.max_depth, settings.seed,
-            settings.threads, settings.rr_depth, settings.direct_light,
+            self._scene, chosen, *settings.size, settings.max_depth, settings.seed,
+            settings.threads, settings.rr_depth, settings.direct_light, settings.emission_apart,
         )  # fmt: skip
+        self._emission_apart = settings.emission_apart
 
     def render_pass(self) -> None:
         """Adds one sample to every pixel. Ctrl-C drops the pass."""
         self._renderer.render_pass()
+        if self._own is not None:
+            self._own.raise_error()
 
     def checkpoint(self) -> Checkpoint:
         """All that there is so far."""
@@ -41,8 +58,18 @@ class PathJob:
         """The mean of the passes so far: float32 (H, W, 3)."""
         return self._renderer.image()
 
-    def mean_counts(self) -> _core.MeanCounts:
-        """Mean cost of one selection at camera points. After the first pass."""
+    def lit(self) -> np.ndarray | None:
+        """The part of it that is not emission; None unless the settings keep that apart."""
+        return self._renderer.lit() if self._emission_apart else None
+
+    def emission(self) -> np.ndarray | None:
+        """The part of it that the camera sees of emitters directly; None as of `lit`."""
+        return self._renderer.emission() if self._emission_apart else None
+
+    def mean_counts(self) -> _core.MeanCounts | None:
+        """Mean cost of one selection at camera points; None where the sampler does not tell. After
+        the first pass.
+        """
         return self._renderer.mean_counts()
 
     def learned_view(self) -> _core.LearnedView | None:
@@ -54,7 +81,8 @@ class PathJob:
         return self._scene.memory_size(), self._renderer.memory_size(), 0
 
     def stats(self) -> Stats:
-        return Stats.of(self._renderer.stats(), self._setup_seconds())
+        stats = Stats.of(self._renderer.stats(), self._setup_seconds())
+        return stats if self._own is None else replace(stats, own_seconds=self._own.seconds)
 
     def _setup_seconds(self) -> float:
         return self._setup_seconds_before + self._renderer.setup_seconds()

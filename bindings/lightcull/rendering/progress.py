@@ -6,7 +6,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TypeAlias
 
+from ..field_docs import with_field_docs
 
+
+@with_field_docs
 @dataclass(frozen=True)
 class Progress:
     """How far a render is; callbacks get one between passes."""

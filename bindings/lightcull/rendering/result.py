@@ -8,11 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from .. import _core
+from ..field_docs import with_field_docs
 from ..images import save_image
 from .method import PATH
 from .statistics import Stats
 
 
+@with_field_docs
 @dataclass(frozen=True)
 class RenderResult:
     """An image and what made it."""
@@ -20,10 +22,15 @@ class RenderResult:
     image: np.ndarray
     """float32 (H, W, 3), linear RGB, row 0 at the top."""
     stats: Stats
+    """What it took."""
     scene: str
+    """Name of the scene."""
     sampler: str
+    """Description of the sampler."""
     max_depth: int
+    """Longest path, in edges."""
     seed: int
+    """Of the random numbers."""
     interrupted: bool
     """Ctrl-C came before it was done; the image is what there was by then."""
     method: str = PATH

@@ -6,21 +6,31 @@ from dataclasses import dataclass
 
 from .. import checks, memory
 from .._core import Error
+from ..field_docs import with_field_docs
 
 DIRECT_LIGHT = ("mis", "lights", "bsdf")
 RR_DEPTH = 5
 
 
+@with_field_docs
 @dataclass(frozen=True)
 class RenderSettings:
     """What `render` and `compare` have in common, as they document it."""
 
     size: tuple[int, int]
+    """Width and height, pixels."""
     max_depth: int
+    """Longest path, in edges: 2 is direct light."""
     seed: int
+    """Of the random numbers: others make an independent image."""
     threads: int
+    """The most that are used; 0: as many as there are."""
     rr_depth: int = RR_DEPTH
+    """Edges from which Russian roulette may end a path."""
     direct_light: str = "mis"
+    """One of DIRECT_LIGHT: lights and the BSDF are sampled (mis), or one of them alone."""
+    emission_apart: bool = False
+    """Whether what the camera sees of emitters directly is kept in a film of its own."""
 
     def __post_init__(self) -> None:
         if self.direct_light not in DIRECT_LIGHT:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from .. import _core
+from ..field_docs import with_field_docs
 
 
+@with_field_docs
 @dataclass(frozen=True)
 class Stats:
     """What a render took."""
@@ -15,16 +18,22 @@ class Stats:
     """Samples per pixel."""
     seconds: float
     """Wall time, set-up included."""
-    setup_seconds: float
+    setup_seconds: float = 0.0
     """Wall time before the first sample: the sampler's builds and pilots."""
-    selection_seconds: float
-    """Time spent choosing lights, summed over threads."""
-    selections: int
-    """How often a light was chosen."""
-    rays: int
-    """Camera, shadow and scattered rays."""
-    sampler_seconds: float
-    """Wall time of the passes that went to refits and to choosing lights."""
+    selection_seconds: float = math.nan
+    """Time spent choosing lights, summed over threads; not a number where a host does not tell."""
+    selections: int = 0
+    """How often a light was chosen; 0 where a host does not tell."""
+    rays: int = 0
+    """Camera, shadow and scattered rays; 0 where a host does not tell."""
+    sampler_seconds: float = math.nan
+    """Wall time of the passes that went to refits and to choosing lights; not a number where a host
+    does not tell.
+    """
+    own_seconds: float = math.nan
+    """Wall time inside the calls of a sampler of one's own, its making included, which is part of
+    `seconds`; not a number where there is none.
+    """
 
     @classmethod
     def of(cls, core: _core.RenderStats, setup_seconds: float) -> Stats:

@@ -6,28 +6,43 @@ from typing import Protocol
 
 from ..sampler import check_description
 from ..scene import Scene
-from .job import CountingJob
+from .job import SubjectJob
+from .own_sampler import SamplerChoice
 from .path_job import PathJob
 from .settings import RenderSettings
 
 
 class Subject(Protocol):
-    """A scene, and the renderer that shows it."""
+    """A scene and the renderer that shows it: what `compare` and `render` take in place of a `Scene`.
+
+    A whole renderer of one's own is compared by a class with these, whose samplers are whatever it
+    calls so: strings that it understands. They take turns pass by pass, and the time of a run is
+    what its job says.
+    """
 
     @property
-    def name(self) -> str: ...
+    def name(self) -> str:
+        """Of the scene, for the report."""
+
     @property
-    def light_count(self) -> int: ...
+    def light_count(self) -> int:
+        """Number of lights, for the report."""
+
     def digest(self) -> str:
-        """A hash of all that the image depends on, but for sampler and settings."""
+        """A hash of all that the image depends on, but for sampler and settings: references are
+        kept by it.
+        """
 
     def check_sampler(self, description: str) -> None:
         """Raises Error for a description that is not one of a sampler."""
 
     def new_job(
         self, sampler: str, settings: RenderSettings, spp: int | None = None
-    ) -> CountingJob:
-        """spp: how many samples it will be asked for; None: that depends on time."""
+    ) -> SubjectJob:
+        """A new render. Settings have size (pixels), max_depth, seed, threads, rr_depth and
+        direct_light, as `render` documents them; jobs of other seeds are to be independent.
+        spp: how many samples it will be asked for; None: that depends on time.
+        """
 
     @property
     def best_sampler(self) -> str:
@@ -53,6 +68,14 @@ class OwnSubject:
 
     def new_job(self, sampler: str, settings: RenderSettings, spp: int | None = None) -> PathJob:
         return PathJob(self._scene, sampler, settings)
+
+    def new_own_job(self, name: str, sampler: SamplerChoice, settings: RenderSettings) -> PathJob:
+        """name: of the sampler, which is not one of ours."""
+        return PathJob(self._scene, sampler, settings, name)
+
+    def try_own(self, name: str, sampler: SamplerChoice) -> None:
+        """Raises what a sampler of one's own raises, before anything is rendered in earnest."""
+        self.new_own_job(name, sampler, RenderSettings((4, 3), 2, 0, 0)).render_pass()
 
     @property
     def best_sampler(self) -> str:

@@ -2,19 +2,34 @@
 
 from . import metrics
 from .comparison import Comparison
-from .figures import ComparisonFigures, LearnedFigures, ReferenceFigures, SamplerFigures
-from .runs import Learned, Reference, SamplerRun
+from .errors import METRICS, Measure, Metric
+from .figures import (
+    ComparisonFigures,
+    CurvePoint,
+    LearnedFigures,
+    MetricFigures,
+    ReferenceFigures,
+    SamplerFigures,
+)
+from .runs import Learned, Moment, Reference, SamplerRun, Slice
 from .write import write
 
 __all__ = [
+    "METRICS",
     "Comparison",
     "ComparisonFigures",
+    "CurvePoint",
     "Learned",
     "LearnedFigures",
+    "Measure",
+    "Metric",
+    "MetricFigures",
+    "Moment",
     "Reference",
     "ReferenceFigures",
     "SamplerFigures",
     "SamplerRun",
+    "Slice",
     "metrics",
     "write",
 ]

@@ -1,6 +1,14 @@
-"""Figures of error of an image x against a reference r: (H, W, 3) float arrays, linear RGB."""
+"""Figures of error of an image x against a reference r: (H, W, 3) float arrays, linear RGB.
+
+A reference has noise of its own, which adds to every error that is taken against it. Where its two
+independent halves a and b are at hand, r being their mean, (x - a)(x - b) is in the mean the square
+of x's error against the truth: (x - r)^2 with the noise of r taken off, ((a - b) / 2)^2. It may come
+out below 0. What it is divided by, r^2 + ..., keeps that noise, which matters to second order only.
+"""
 
 from __future__ import annotations
+
+import math
 
 import flip_evaluator
 import numpy as np
@@ -9,6 +17,8 @@ BLUR_SIZE = 7
 """Side of the box filter of `relmse_blurred`, pixels."""
 WIDE_BLUR_SIZE = 31
 """And of one that leaves only what is shared far and wide: bands, blobs, flicker."""
+TRIMMED = 0.001
+"""The share of pixels that a trimmed mean leaves out: the worst ones."""
 
 
 def _pair(image: np.ndarray, reference: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -31,10 +41,54 @@ def relative_squared_error(image: np.ndarray, reference: np.ndarray) -> np.ndarr
     Where the reference is black everywhere, it is 0 where x is black too, infinite elsewhere.
     """
     x, r = _pair(image, reference)
-    squared = (x - r) ** 2
-    scale = r**2 + 0.01 * np.mean(r) ** 2
-    blank = np.where(squared > 0, np.inf, 0.0)
+    return over((x - r) ** 2, scale_of(r))
+
+
+def relative_error(image: np.ndarray, reference: np.ndarray) -> np.ndarray:
+    """|x - r| / (|r| + 0.01 mean(r)), with the mean over all of r: (H, W, 3) float64. MAPE is its mean."""
+    x, r = _pair(image, reference)
+    return over(np.abs(x - r), np.abs(r) + 0.01 * np.mean(r))
+
+
+def symmetric_error(image: np.ndarray, reference: np.ndarray) -> np.ndarray:
+    """2 |x - r| / (|x| + |r| + 0.01 mean(r)), (H, W, 3) float64, [0, 2). SMAPE is its mean."""
+    x, r = _pair(image, reference)
+    return over(2 * np.abs(x - r), np.abs(x) + np.abs(r) + 0.01 * np.mean(r))
+
+
+def scale_of(reference: np.ndarray) -> np.ndarray:
+    """What squared errors are divided by: r^2 + 0.01 mean(r)^2, with the mean over all of r."""
+    r = np.asarray(reference, dtype=np.float64)
+    return r**2 + 0.01 * np.mean(r) ** 2
+
+
+def over(squared: np.ndarray, scale: np.ndarray) -> np.ndarray:
+    """squared / scale; where the scale is 0, 0 over it is 0 and all else infinite."""
+    blank = np.where(squared != 0, np.copysign(np.inf, squared), 0.0)
     return np.divide(squared, scale, out=blank, where=scale > 0)
+
+
+def squared_error(image: np.ndarray, halves: np.ndarray) -> np.ndarray:
+    """(x - a)(x - b): the squared error with the noise of the reference taken off, (H, W, 3)."""
+    x, a, b = (np.asarray(each, np.float64) for each in (image, *halves))
+    return (x - a) * (x - b)
+
+
+def mean_of(values: np.ndarray, mask: np.ndarray | None = None) -> float:
+    """The mean of (H, W) or (H, W, C) values over the pixels of a mask: bool (H, W), True for those
+    that count; None: all.
+    """
+    counted: np.ndarray = values if mask is None else values[mask]
+    return float(np.mean(counted, dtype=np.float64))
+
+
+def trimmed_mean(
+    values: np.ndarray, order: np.ndarray, mask: np.ndarray | None = None, share: float = TRIMMED
+) -> float:
+    """The mean of (H, W) values without the share of pixels whose `order`, (H, W), is the largest."""
+    counted, by = (a.ravel() if mask is None else a[mask] for a in (values, order))
+    kept = len(by) - int(np.ceil(share * len(by)))
+    return float(np.mean(counted[np.argsort(by, kind="stable")[:kept]])) if kept else math.nan
 
 
 def relmse(image: np.ndarray, reference: np.ndarray) -> float:

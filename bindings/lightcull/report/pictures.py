@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import matplotlib
@@ -12,6 +13,8 @@ from PIL import Image
 
 from ..images import apply_view
 from . import metrics
+from .errors import Measure
+from .runs import SamplerRun
 
 BRIGHTNESS = 0.11
 """Log-average that pictures are brought to: below middle grey, scenes full of lights are night."""
@@ -37,7 +40,7 @@ class ErrorMap:
 
 
 ERROR_MAPS = (
-    ErrorMap("error", "Relative squared error", "relMSE", "relmse", 1e-4, 1e1, True),
+    ErrorMap("error", "Relative squared error", "relMSE", "relmse_measured", 1e-4, 1e1, True),
     ErrorMap("blurred", "After 7 × 7 blur", "blurred relMSE", "relmse_blurred", 1e-5, 1e0, True),
     ErrorMap("flip", "FLIP", "FLIP", "flip", 0.0, 1.0, False),
 )
@@ -53,7 +56,7 @@ def exposure_for(reference: np.ndarray) -> float:
     if lit.size == 0:
         return 0.0
     stops = np.log2(BRIGHTNESS) - np.mean(np.log2(lit), dtype=np.float64)
-    return float(np.clip(np.round(stops, 1), -3.0, 3.0)) + 0.0  # no -0 + 0.0  # no -0
+    return float(np.clip(np.round(stops, 1), -3.0, 3.0)) + 0.0  # no -0
 
 
 def display(image: np.ndarray, view: str, exposure: float) -> np.ndarray:
@@ -62,13 +65,23 @@ def display(image: np.ndarray, view: str, exposure: float) -> np.ndarray:
     return np.round(255.0 * np.clip(shown, 0.0, 1.0)).astype(np.uint8)
 
 
-def error_values(kind: ErrorMap, image: np.ndarray, reference: np.ndarray) -> np.ndarray:
-    """The error that a map of that kind shows: (H, W), mean over channels."""
+def error_values(
+    kind: ErrorMap, runs: Sequence[SamplerRun], measure: Measure
+) -> np.ndarray:
+    """The error that a map of that kind shows: (H, W), mean over channels and runs. The noise of
+    the reference is in it. Of FLIP it is that of the whole image, of the others without emission
+    that is seen directly.
+    """
+    return np.asarray(np.mean([_error_of_run(kind, run, measure) for run in runs], axis=0))
+
+
+def _error_of_run(kind: ErrorMap, run: SamplerRun, measure: Measure) -> np.ndarray:
     if kind.key == "flip":
-        return metrics.flip_map(image, reference)
+        return measure.flip_map(run)
+    image, against = run.lit_image, measure.reference.lit_image
     if kind.key == "blurred":
-        image, reference = metrics.box_blur(image), metrics.box_blur(reference)
-    return metrics.relative_squared_error(image, reference).mean(axis=2)
+        image, against = metrics.box_blur(image), metrics.box_blur(against)
+    return metrics.relative_squared_error(image, against).mean(axis=2)
 
 
 def to_palette(kind: ErrorMap, values: np.ndarray) -> np.ndarray:

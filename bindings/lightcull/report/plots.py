@@ -23,6 +23,8 @@ KNOWN_COLORS = {
     "exhaustive": "#1b8a5a",
     "clamped": "#0f8b8d",
 }
+_LONGEST_LABEL = 25
+"""Of a curve, in characters."""
 OTHER_COLORS = ("#d35c94", "#5d6b1f", "#e07a1f", "#3b3f8f", "#8a5a44")
 
 
@@ -34,20 +36,25 @@ def sampler_colors(names: list[str]) -> dict[str, str]:
 
 
 def error_against_time(figures: ComparisonFigures) -> Figure:
-    """Log-log, a curve for each sampler, a 1/t guide, and the noise of the reference itself."""
+    """Log-log, a curve for each sampler with a band of its 95 % intervals, a 1/t guide, and the noise
+    of the reference itself.
+    """
     figure = Figure(figsize=(8.0, 4.6), layout="constrained")
     axes = figure.subplots()
     axes.set(xscale="log", yscale="log", xlabel="seconds", ylabel="relMSE")
     colors = sampler_colors(list(figures.samplers))
     ends = {}
     for name, run in figures.samplers.items():
-        points = [point for point in run.error_curve if point[0] > 0 and point[1]]
+        points = [p for p in run.error_curve if p.seconds > 0 and p.relmse and p.relmse > 0]
         if points:
-            seconds, errors = np.array(points).T
+            seconds, errors = np.array([(p.seconds, p.relmse) for p in points]).T
             axes.plot(seconds, errors, color=colors[name], linewidth=2, marker="o", markersize=3.5)
             ends[name] = (seconds[-1], errors[-1])
     _style(axes)
     if ends:
+        limits = axes.get_ylim()  # of the curves: a wide band must not press them together
+        _draw_bands(axes, figures, colors, limits)
+        axes.set_ylim(limits)
         _draw_guides(axes, figures.reference.relmse_of_itself)
         _label_ends(axes, ends, colors)
     return figure
@@ -85,6 +92,29 @@ def _first_digits(value: float, _: Any) -> str:
     return f"{value:g}" if f"{value:e}"[0] in "25" else ""
 
 
+def shortened(name: str) -> str:
+    """A name that leaves room for the curves: its middle goes."""
+    if len(name) <= _LONGEST_LABEL:
+        return name
+    half = (_LONGEST_LABEL - 1) // 2
+    return f"{name[:half]}…{name[-half:]}"
+
+
+def _draw_bands(
+    axes: Any, figures: ComparisonFigures, colors: dict[str, str], limits: tuple[float, float]
+) -> None:
+    """A lower end below 0, which a logarithmic axis has not, is drawn below the axis."""
+    for name, run in figures.samplers.items():
+        points = [p for p in run.error_curve if p.low is not None and p.high is not None]
+        if points:
+            axes.fill_between(
+                [p.seconds for p in points],
+                [max(p.low or 0.0, limits[0] / 10) for p in points],
+                [max(p.high or 0.0, limits[0] / 10) for p in points],
+                color=colors[name], alpha=0.18, linewidth=0,
+            )  # fmt: skip
+
+
 def _draw_guides(axes: Any, floor: float | None) -> None:
     (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
     start = np.sqrt(low * high) * np.sqrt(right / left)
@@ -112,7 +142,7 @@ def _label_ends(axes: Any, ends: dict[str, tuple[float, float]], colors: dict[st
     for name, (_, error) in sorted(ends.items(), key=lambda item: item[1][1]):
         below = max(np.log(error), below + gap)
         axes.annotate(
-            name, (1.0, np.exp(below)), (6, 0), xycoords=("axes fraction", "data"),
+            shortened(name), (1.0, np.exp(below)), (6, 0), xycoords=("axes fraction", "data"),
             textcoords="offset points", color=colors[name], va="center", weight="bold",
             annotation_clip=False,
         )  # fmt: skip

@@ -2,25 +2,85 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..field_docs import with_field_docs
+from . import metrics
 
+
+@with_field_docs
 @dataclass
 class Reference:
     """The image that the samplers are measured against."""
 
-    image: np.ndarray
-    """(H, W, 3) float32, linear RGB, row 0 at the top."""
+    halves: np.ndarray
+    """(2, H, W, 3) float32, linear RGB, row 0 at the top: two independent halves of it."""
     sampler: str
     """Description of the sampler, or of the samplers, that rendered it."""
     spp: int
-    """Samples per pixel."""
-    relmse_of_itself: float
-    """Estimate of the relMSE of `image`; see `metrics.relmse_of_mean`."""
+    """Samples per pixel, of both halves together."""
+    lit: np.ndarray | None = None
+    """(2, H, W, 3) float32: the light in `halves` that falls on surfaces. None: `halves`, of a
+    renderer that does not keep emission apart.
+    """
+    emission: np.ndarray | None = None
+    """(2, H, W, 3) float32: the rest of `halves`, what the camera sees of emitters directly."""
+
+    @property
+    def image(self) -> np.ndarray:
+        """(H, W, 3) float32: the mean of the halves, all light."""
+        return _mean(self.halves)
+
+    @property
+    def lit_halves(self) -> np.ndarray:
+        """(2, H, W, 3) float32: `lit`, or `halves` where that is None."""
+        return self.halves if self.lit is None else self.lit
+
+    @property
+    def lit_image(self) -> np.ndarray:
+        """(H, W, 3) float32: the mean of `lit_halves`, against which samplers are measured."""
+        return _mean(self.lit_halves)
+
+    @property
+    def relmse_of_itself(self) -> float:
+        """Estimate of the relMSE of `lit_image`; see `metrics.relmse_of_mean`."""
+        return metrics.relmse_of_mean(*self.lit_halves)
 
 
+def _mean(halves: np.ndarray) -> np.ndarray:
+    return np.asarray(np.mean(halves, axis=0, dtype=np.float64), np.float32)
+
+
+@with_field_docs
+@dataclass
+class Moment:
+    """The error of a render on its way."""
+
+    spp: int
+    """Samples per pixel by then."""
+    seconds: float
+    """Render time by then, set-up included."""
+    relmse: float
+    """As `SamplerFigures.relmse`."""
+
+
+@with_field_docs
+@dataclass
+class Slice:
+    """The samples of a part of a render."""
+
+    image: np.ndarray
+    """(H, W, 3) float32: their mean, all light."""
+    spp: int
+    """Their number per pixel."""
+    seconds: float
+    """Render time at their end, set-up included."""
+
+
+@with_field_docs
 @dataclass
 class Learned:
     """What a sampler has learned of what is hidden from where, as the image's pixels see it."""
@@ -43,9 +103,10 @@ class Learned:
     """Bytes that cells take."""
 
 
+@with_field_docs
 @dataclass
 class SamplerRun:
-    """One sampler's share of a comparison. All times are in seconds of wall time, unless said."""
+    """What one sampler rendered with one seed. All times are in seconds of wall time, unless said."""
 
     image: np.ndarray
     """(H, W, 3) float32, linear RGB, row 0 at the top."""
@@ -69,7 +130,24 @@ class SamplerRun:
     """Tree nodes visited, mean over shading points."""
     lights_tested_per_point: float
     """Lights whose range or importance was computed, mean over shading points."""
-    curve: list[tuple[float, float]] = field(default_factory=list)
-    """(seconds, relMSE) as the image converged; seconds as above, set-up included."""
+    lit: np.ndarray | None = None
+    """(H, W, 3) float32: the light in `image` that falls on surfaces. None: `image`, of a renderer
+    that does not keep emission apart.
+    """
+    emission: np.ndarray | None = None
+    """(H, W, 3) float32: the rest of `image`, what the camera sees of emitters directly, which no
+    choice of lights changes.
+    """
+    own_seconds: float = math.nan
+    """Time inside the calls of a sampler of one's own; not a number where there is none."""
+    curve: list[Moment] = field(default_factory=list)
+    """The error as the image converged."""
     learned: Learned | None = None
     """None where the sampler has learned nothing, or the host does not tell."""
+    slices: list[Slice] = field(default_factory=list)
+    """Its samples in parts, one after the other, if that was asked for."""
+
+    @property
+    def lit_image(self) -> np.ndarray:
+        """(H, W, 3) float32: `lit`, or `image` where that is None."""
+        return self.image if self.lit is None else self.lit

@@ -58,7 +58,7 @@ def choices(setting: Setting, samplers: tuple[str, ...] = UNBIASED) -> Iterator[
         sampler = setting.sampler(description)
         sets = (np.arange(len(u)) % sampler.set_count).astype(np.uint32)
         batch = sampler.select(*points, u, sets)
-        single = sampler._core.select_single(*points, u, sets)
+        single = sampler._core.select_single(*points, u, sets, None, None)
         _core.use_instruction_set("scalar")
         sampler.begin_pass(0)  # ranges are refitted by it, too
         scalar = sampler.select(*points, u, sets)

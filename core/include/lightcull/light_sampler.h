@@ -42,7 +42,7 @@ struct ShadingPoint {
 /// a point, for multiple importance sampling. It does not depend on u, and it is valid where
 /// Selection::prob is 0. When a ray that left the point hits a light, the receipt that prob() needs
 /// is that of the point which the ray left, not of the hit. Its numbers mean something to the
-/// sampler alone.
+/// sampler alone, and in the pass of the selection: one pass is not enough for prob(), either.
 struct Receipt {
     float weight_sum = 0.0f;  ///< W, the sum of the weights of the lights that were accepted
     std::uint32_t key = 0;    ///< the set that was used, or with bit 31 what else the sampler has
@@ -141,7 +141,7 @@ struct LightUpdate {
 };
 
 /// Picks, for a shading point, one light out of many, and says with what probability it did.
-///
+/// One pass is not enough, as LightSelector says.
 /// A host that renders whole images calls begin_pass() before each sample per pixel, and selects
 /// from the sampler. A host that finishes a tile before the next takes a pass() for each tile,
 /// thread or frame, any number at once, which begin_pass() leaves alone. A host whose samples are

@@ -186,7 +186,7 @@ typedef struct LIGHTCULL_C_STRUCT lightcull_shading_point {
 /// What a path carries from selection to lightcull_prob(): an account of all that could have been
 /// selected at a point. It does not depend on u, and it is valid where prob is 0. When a ray that
 /// left the point hits a light, the receipt that lightcull_prob() needs is that of the point which
-/// the ray left. Its numbers mean something to the sampler alone.
+/// the ray left. Its numbers mean something to the sampler alone, in the pass of the selection.
 typedef struct LIGHTCULL_C_STRUCT lightcull_receipt {
     float weight_sum;
     uint32_t key;

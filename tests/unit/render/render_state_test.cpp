@@ -95,6 +95,39 @@ TEST_CASE("a state of another image, or none at all, is refused by name") {
     CHECK(same(renderer.image(), before));
 }
 
+TEST_CASE("emission that is kept apart is what paths of one edge find, to the bit") {
+    const auto scene = room();
+    RenderSettings apart = settings();
+    apart.emission_apart = true;
+    apart.max_depth = 1;
+    const auto render = [&](const RenderSettings& s) {
+        auto renderer =
+            std::make_unique<Renderer>(scene, s, make_scene_sampler("culled", *scene, s));
+        for (int pass = 0; pass < 3; ++pass) renderer->render_pass();
+        return renderer;
+    };
+    const auto seen = render(apart);
+    apart.max_depth = 3;
+    const auto whole = render(apart), plain = render(settings());
+    CHECK(same(whole->emission(), seen->image()));
+    CHECK(same(whole->image(), plain->image()));
+    const std::vector<float3> image = whole->image(), emission = whole->emission(),
+                              lit = whole->lit();
+    REQUIRE(lit.size() == image.size());
+    bool is_lit = false, is_seen = false;
+    for (std::size_t i = 0; i < image.size(); ++i) {
+        CHECK(lit[i].x + emission[i].x == doctest::Approx(image[i].x));
+        is_lit = is_lit || lit[i].x > 0.0f;
+        is_seen = is_seen || emission[i].x > 0.0f;
+    }
+    CHECK(is_lit);
+    CHECK(is_seen);
+    CHECK(plain->emission().empty());
+    CHECK(plain->lit().empty());
+    CHECK_THROWS_WITH_AS(whole->restore(plain->state()),
+                         "renderer: keeps emission apart, of which a state knows nothing", Error);
+}
+
 TEST_CASE("positions that are too far out are refused by name") {
     Scene scene;
     CHECK_THROWS_WITH_AS(scene.add_point_light({2e15f, 0, 0}, {1, 1, 1}),

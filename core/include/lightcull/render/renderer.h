@@ -30,6 +30,8 @@ struct RenderSettings {
     std::uint64_t seed = 0;
     std::uint32_t threads = 0;  ///< largest number of threads; 0: as many as the machine has
     DirectLight direct_light = DirectLight::kMis;
+    bool emission_apart = false;  ///< keep what the camera sees of emitters in a film of its own,
+                                  ///< for Renderer::emission() and lit()
 };
 
 struct RenderStats {
@@ -74,10 +76,15 @@ class LIGHTCULL_EXPORT Renderer {
     /// The mean of all passes, linear RGB, row 0 at the top: height * width. Black before the
     /// first pass.
     std::vector<float3> image() const;
+    /// The part of image() that the camera sees of emitters and the environment directly, which
+    /// does not depend on how lights are sampled, and the rest of it, which does. Both are empty
+    /// unless RenderSettings::emission_apart.
+    std::vector<float3> emission() const;
+    std::vector<float3> lit() const;
 
     /// Goes on from a state() of a renderer of the same scene, settings and sampler, as if that had
     /// never stopped: the next passes give the same bits. Throws Error if it cannot be one of this
-    /// image's.
+    /// image's, and where emission is kept apart, of which a state knows nothing.
     void restore(const RenderState& state);
     RenderState state() const;
 
