@@ -252,6 +252,35 @@ TEST_CASE("a point sees of lights from all directions those above its horizon, a
     }
 }
 
+TEST_CASE("suns do not hide lamps in the clusters of a tree, nor lamps suns") {
+    // Many more than a node holds, so that clusters of them are weighed.
+    for (const float irradiance : {1e-6f, 1e-3f, 1.0f}) {
+        const std::vector<Light> lights = both(lamps(400, 0.02f), suns(64, irradiance));
+        for (const char* const name : {"light_bvh", "light_bvh:importance=means"}) {
+            CAPTURE(name);
+            CAPTURE(irradiance);
+            const auto sampler = make_sampler(name, lights);
+            for (const ShadingPoint& point : floor_points(40)) {
+                double of_suns = 0.0, of_all = 0.0, prob = 0.0, prob_of_all = 0.0;
+                for (std::uint32_t i = 0; i < lights.size(); ++i) {
+                    const double p = double{sampler->prob(point, Receipt{}, i)};
+                    const double g = given(lights[i], point);
+                    (lights[i].directional ? prob : prob_of_all) += p;
+                    (lights[i].directional ? of_suns : of_all) += g;
+                }
+                prob_of_all += prob;
+                of_all += of_suns;
+                // Clusters of bounds favour what lies around a point, and lamps that are near.
+                constexpr double kMost = 20.0;
+                const double odds = prob / (prob_of_all - prob);
+                const double wanted = of_suns / (of_all - of_suns);
+                CHECK(odds < kMost * wanted);
+                CHECK(odds > wanted / kMost);
+            }
+        }
+    }
+}
+
 TEST_CASE("sun and lamps: every sampler is right in the mean, and good ones are no noisier") {
     struct Sky {
         std::size_t suns;
