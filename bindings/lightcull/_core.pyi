@@ -11,8 +11,9 @@ NO_TEXTURE: Final[int]
 
 LIGHT: Final[np.dtype[np.void]]
 """Of a light: center (3,), radius, axis (3,), cos_theta_o, cos_theta_e, intensity, lobe_alpha
-(float32) and two_sided (bool); metres, W/sr. `axis` is a unit vector, and the normals of the light
-lie within theta_o of it; it emits up to theta_e from its normal.
+(float32), two_sided and directional (bool); metres, W/sr. `axis` is a unit vector, and the normals of
+the light lie within theta_o of it; it emits up to theta_e from its normal. A directional light shines
+along it from infinity, and its intensity is irradiance, W/m^2.
 """
 SELECTION: Final[np.dtype[np.void]]
 """Of a selection: light (uint32), prob, weight_sum (float32), key (uint32)."""

@@ -114,7 +114,8 @@ Noise noise_of(const std::string& description, const std::vector<Light>& lights,
         for (std::size_t i = 0; i < points.size(); ++i) {
             ShadingPoint point = points[i];
             point.set = static_cast<std::uint32_t>(hash(i, pass) % sampler->set_count());
-            const Selection s = sampler->select(point, uniform_float(hash(i, pass, 8)));
+            const Selection s =
+                sampler->select(point, uniform_float(hash(i, pass, std::uint64_t{8})));
             if (!(s.prob > 0.0f)) continue;
             const float visible = is_hidden(lights, s.light, point) ? 0.0f : 1.0f;
             const LightOutcome outcome{point.position, point.normal, s.receipt, s.light, visible};
