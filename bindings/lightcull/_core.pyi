@@ -11,8 +11,9 @@ NO_TEXTURE: Final[int]
 
 LIGHT: Final[np.dtype[np.void]]
 """Of a light: center (3,), radius, axis (3,), cos_theta_o, cos_theta_e, intensity, lobe_alpha
-(float32) and two_sided (bool); metres, W/sr. `axis` is a unit vector, and the normals of the light
-lie within theta_o of it; it emits up to theta_e from its normal.
+(float32), two_sided and directional (bool); metres, W/sr. `axis` is a unit vector, and the normals of
+the light lie within theta_o of it; it emits up to theta_e from its normal. A directional light shines
+along it from infinity, and its intensity is irradiance, W/m^2.
 """
 LOBE: Final[np.dtype[np.void]]
 """Of the glossy lobe of a surface: axis (3,), alpha, peak (float32). `axis` is the mirror direction
@@ -49,6 +50,7 @@ def spot_lights(
     inner: np.ndarray,
     outer: np.ndarray,
 ) -> np.ndarray: ...
+def directional_lights(directions: np.ndarray, irradiance: np.ndarray) -> np.ndarray: ...
 def bounded_lights(
     box_min: np.ndarray,
     box_max: np.ndarray,
@@ -98,6 +100,7 @@ class Scene:
     def add_spot_light(
         self, position: Any, direction: Any, intensity: Any, inner: float, outer: float, /
     ) -> None: ...
+    def add_directional_light(self, direction: Any, irradiance: Any, /) -> None: ...
     def set_environment(self, map: np.ndarray, scale: Any, rotation: float, /) -> None: ...
     def set_camera(
         self,

@@ -154,8 +154,9 @@ class LightSampler(LightSelector):
     lights: a `Scene`, or lights as `triangle_lights`, `point_lights` or `Scene.lights` give them:
     (N,) of dtype `lightcull.LIGHT`, whose fields are center (3), radius, axis (3; unit length),
     cos_theta_o (of the cone of normals about the axis), cos_theta_e (of the largest angle to a
-    normal at which it emits), intensity (W/sr, luminance), two_sided and lobe_alpha (0; or of a
-    point that emits most into `axis` GGX's alpha, 0.001 to 1, its cos_theta_o being -1).
+    normal at which it emits), intensity (W/sr, luminance), two_sided, lobe_alpha (0; or of a
+    point that emits most into `axis` GGX's alpha, 0.001 to 1, its cos_theta_o being -1) and
+    directional (infinitely far: it shines along `axis`, and its intensity is irradiance, W/m^2).
     description: a name, then options, as in "culled", "culled:sets=16", "clamped:error_bound=0.05".
     The names are `lightcull.SAMPLERS`.
     calibration: positions and normals of some hundred points typical of the use, to set the ranges
@@ -283,6 +284,15 @@ def spot_lights(
     nothing at `outer`. inner, outer: float32 (N,), radians, 0 <= inner <= outer <= pi.
     """
     return _core.spot_lights(positions, directions, intensity, inner, outer)
+
+
+def directional_lights(directions: np.ndarray, irradiance: np.ndarray) -> np.ndarray:
+    """Lights for suns, parallel light from infinity: (N,) of dtype `lightcull.LIGHT`.
+
+    directions: float32 (N, 3), the way that the light goes, any length but 0. irradiance: float32
+    (N,), luminance, W/m^2, on a surface that faces the light.
+    """
+    return _core.directional_lights(directions, irradiance)
 
 
 def bounded_lights(

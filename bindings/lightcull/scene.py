@@ -47,7 +47,7 @@ class Scene:
         self._default_materials: dict[float, int] = {}
         self._bounds: np.ndarray | None = None
         self._counts = {"meshes": 0, "materials": 0, "textures": 0, "points": 0, "spots": 0}
-        self._counts["virtual lights"] = 0
+        self._counts["directional lights"] = self._counts["virtual lights"] = 0
 
     def add_texture(self, texels: TextureSource, *, linear_data: bool = False) -> int:
         """Adds an image and returns its id, for materials and emission.
@@ -163,6 +163,15 @@ class Scene:
         self._digest.add("spot", *parameters)
         self._counts["spots"] += 1
 
+    def add_directional_light(self, direction: Vector, irradiance: Vector) -> None:
+        """Adds a sun: parallel light from infinity that goes into `direction`.
+
+        irradiance: linear RGB, W/m^2, on a surface that faces it.
+        """
+        self._core.add_directional_light(direction, irradiance)
+        self._digest.add("directional", direction, irradiance)
+        self._counts["directional lights"] += 1
+
     def add_virtual_lights(self, light_paths: int, bounces: int = 1, seed: int = 0) -> None:
         """Adds virtual lights to what samplers choose from: lights where paths from the emitters
         and the environment meet surfaces. Last of all: light paths know what was added before.
@@ -245,7 +254,9 @@ class Scene:
 
     @property
     def counts(self) -> dict[str, int]:
-        """How many meshes, materials, textures, points, spots and virtual lights were added."""
+        """How many meshes, materials, textures, points, spots, directional and virtual lights were
+        added.
+        """
         return dict(self._counts)
 
     def lights(self) -> np.ndarray:

@@ -51,6 +51,7 @@ py::object light_dtype() {
         .floats("intensity", offsetof(Light, intensity))
         .bools("two_sided", offsetof(Light, two_sided))
         .floats("lobe_alpha", offsetof(Light, lobe_alpha))
+        .bools("directional", offsetof(Light, directional))
         .dtype(sizeof(Light));
 }
 

@@ -392,6 +392,14 @@ py::object spot_lights(const py::object& positions, const py::object& directions
     });
 }
 
+py::object directional_lights(const py::object& directions, const py::object& irradiance) {
+    const Rows<float3> rows(directions, "directions");
+    const Rows<float> values(irradiance, "irradiance", rows.size());
+    return lights_of(rows.size(), [&](std::size_t i) {
+        return directional_light(rows.span()[i], values.span()[i]);
+    });
+}
+
 py::object bounded_lights(const py::object& box_min, const py::object& box_max,
                           const py::object& axes, const py::object& cos_theta_o,
                           const py::object& cos_theta_e, const py::object& power, bool two_sided) {
@@ -440,6 +448,8 @@ void bind_sampler(py::module_& module) {
     module.def("point_lights", &point_lights, py::arg("positions"), py::arg("intensity"));
     module.def("spot_lights", &spot_lights, py::arg("positions"), py::arg("directions"),
                py::arg("intensity"), py::arg("inner"), py::arg("outer"));
+    module.def("directional_lights", &directional_lights, py::arg("directions"),
+               py::arg("irradiance"));
     module.def("bounded_lights", &bounded_lights, py::arg("box_min"), py::arg("box_max"),
                py::arg("axes"), py::arg("cos_theta_o"), py::arg("cos_theta_e"), py::arg("power"),
                py::arg("two_sided") = false);

@@ -106,6 +106,11 @@ void bind_scene(py::module_& module) {
                                        float3_from(intensity, "intensity"));
              })
         .def("add_spot_light", &add_spot_light)
+        .def("add_directional_light",
+             [](Scene& scene, const py::object& direction, const py::object& irradiance) {
+                 scene.add_directional_light(float3_from(direction, "direction"),
+                                             float3_from(irradiance, "irradiance"));
+             })
         .def("set_environment", &set_environment)
         .def("set_camera", &set_camera)
         .def("commit", &Scene::commit, py::call_guard<py::gil_scoped_release>())

@@ -87,6 +87,12 @@ struct Sampler {
         return s;
     }
 
+    EmitterSample operator()(const DirectionalEmitter& emitter) const noexcept {
+        EmitterSample s{V3f(0.0f), -emitter.direction, emitter.irradiance, 1.0f, true};
+        s.at_infinity = true;
+        return s;
+    }
+
     EmitterSample operator()(const VirtualEmitter& emitter) const noexcept {
         const VirtualLight& light = scene.virtual_lights[emitter.index];
         const V3f to_place = light.position - from;
@@ -115,6 +121,7 @@ EmitterSample sample_emitter(const SceneData& scene, const Emitter& emitter, con
     if (const auto* triangle = std::get_if<TriangleEmitter>(&emitter)) return sample(*triangle);
     if (const auto* point = std::get_if<PointEmitter>(&emitter)) return sample(*point);
     if (const auto* spot = std::get_if<SpotEmitter>(&emitter)) return sample(*spot);
+    if (const auto* sun = std::get_if<DirectionalEmitter>(&emitter)) return sample(*sun);
     return sample(*std::get_if<VirtualEmitter>(&emitter));
 }
 

@@ -46,16 +46,23 @@ inline float versine(const V3f& a, const V3f& b) noexcept {
     return 0.5f * between.dot(between);
 }
 
+/// A sun: parallel light from infinity.
+struct DirectionalEmitter {
+    V3f direction;   ///< direction in which it goes, unit length
+    V3f irradiance;  ///< irradiance on a surface that faces it
+};
+
 /// An element of SceneData::virtual_lights, which are larger than other emitters.
 struct VirtualEmitter {
     std::uint32_t index;
 };
 
-using Emitter = std::variant<TriangleEmitter, PointEmitter, SpotEmitter, VirtualEmitter>;
+using Emitter =
+    std::variant<TriangleEmitter, PointEmitter, SpotEmitter, DirectionalEmitter, VirtualEmitter>;
 
 /// A place on an emitter, seen from a surface.
 struct EmitterSample {
-    V3f place{0.0f};      ///< place on the emitter, where a shadow ray ends
+    V3f place{0.0f};      ///< place on the emitter, where a shadow ray ends; at infinity it is 0
     V3f direction{0.0f};  ///< direction towards the place, unit length
     V3f radiance{0.0f};   ///< radiance; for all but triangles, irradiance on a surface that faces
                           ///< the emitter
@@ -63,6 +70,12 @@ struct EmitterSample {
                           ///< emits nothing here
     bool is_delta = false;
     std::uint32_t triangle = kNoHit;  ///< the triangle on which the place lies, if any
+    bool at_infinity = false;         ///< the emitter is infinitely far
+
+    /// The ray from a point to the place.
+    Ray shadow_ray(const V3f& from) const noexcept {
+        return at_infinity ? Ray{from, direction} : segment(from, place, triangle);
+    }
 };
 
 /// Chooses a place on the emitter and looks at it from a point. On a triangle it is uniform by

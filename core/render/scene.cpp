@@ -254,6 +254,17 @@ void Scene::add_spot_light(float3 position, float3 direction, float3 intensity, 
         spot_light(position, to_float3(axis), luminance(to_v3f(intensity)), inner, outer));
 }
 
+void Scene::add_directional_light(float3 direction, float3 irradiance) {
+    check_not_committed(*data_);
+    const std::string name = "light " + std::to_string(data_->lights.size()) + ", directional: ";
+    check::finite(name + "direction", direction);
+    check::radiometric(name + "irradiance", irradiance);
+    const V3f axis = lightcull::direction(direction);
+    if (axis == V3f(0.0f)) check::fail(name + "direction", "is 0");
+    data_->emitters.emplace_back(DirectionalEmitter{axis, to_v3f(irradiance)});
+    data_->lights.push_back(directional_light(to_float3(axis), luminance(to_v3f(irradiance))));
+}
+
 void Scene::set_environment(Environment environment) {
     check_not_committed(*data_);
     check::texture("environment: map", environment.map);

@@ -28,7 +28,8 @@ Ray shadow_ray(const ShadingPoint& point, const Light& light) {
     const V3f position = to_v3f(point.position);
     const float away = kClearance * std::max(1.0f, max_component(abs(position)));
     const V3f origin = position + to_v3f(point.normal) * away;
-    return segment(origin, to_v3f(light.center));
+    return light.directional ? Ray{origin, -to_v3f(light.axis)}
+                             : segment(origin, to_v3f(light.center));
 }
 
 void check_selections(Span<const ShadingPoint> points, Span<const Selection> selections,

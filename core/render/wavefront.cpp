@@ -228,7 +228,7 @@ Wavefront::LightSample Wavefront::sample_light(std::size_t vertex,
         weight = light_pdf / (light_pdf + bsdf.pdf);
     }
     const float divisor = selection.prob * vertex_prob * s.pdf;
-    return {segment(surface.origin, s.place, s.triangle), value * (weight / divisor)};
+    return {s.shadow_ray(surface.origin), value * (weight / divisor)};
 }
 
 Wavefront::LightSample Wavefront::sample_environment(std::size_t vertex,

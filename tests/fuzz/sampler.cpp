@@ -85,6 +85,7 @@ Light take_light(Input& input) {
             light.cos_theta_o = input.take<float>();
             light.cos_theta_e = input.take<float>();
             light.intensity = input.take<float>();
+            light.directional = input.take<unsigned char>() % 2 == 1;
             return light;
     }
 }

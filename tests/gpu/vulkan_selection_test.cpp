@@ -45,7 +45,7 @@ struct BothWays {
     std::vector<Selection> expected, selected;
 
     BothWays(const Case& scene, std::uint64_t seed) {
-        const std::vector<Light> lights = mixed_lights(scene.lights, seed, 6.0f);
+        const std::vector<Light> lights = with_suns(mixed_lights(scene.lights, seed, 6.0f), 100);
         cpu = make_sampler(scene.description, lights);
         gpu = make_vulkan_sampler(make_sampler(scene.description, lights));
         for (LightSampler* sampler : {cpu.get(), gpu.get()}) sampler->begin_pass(3);

@@ -251,6 +251,15 @@ def directional() -> SceneDict:
     }
 
 
+def suns_and_lamps() -> SceneDict:
+    """A few directions, one of them from below, and lamps: all are lights of one sampler."""
+    directions = [[0.4, -1, -0.5], [-0.8, -0.6, 0.1], [0.1, 1, 0.2]]
+    return stage() | lamps(5) | {
+        f"sun {i}": {"type": "directional", "direction": d, "irradiance": rgb(0.5, 0.3 + 0.3 * i, 1)}
+        for i, d in enumerate(directions)
+    }
+
+
 def glossy(bsdf: SceneDict) -> SceneDict:
     """A material on the floor and on the ball."""
     return stage(bsdf=bsdf, object_bsdf=bsdf) | lamps(3)

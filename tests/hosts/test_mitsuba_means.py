@@ -59,6 +59,8 @@ KINDS = [
     Kind("only an environment", scenes.sky_only),
     Kind("points and spots", scenes.points_and_spots),
     Kind("directional", scenes.directional),
+    Kind("suns and lamps", scenes.suns_and_lamps, samplers=BOTH_SAMPLERS),
+    Kind("spectral suns", scenes.directional, variants=BOTH_SPECTRAL),
     glossy("roughconductor", alpha=0.3),
     Kind("panels", scenes.panels),
     glossy("roughplastic", alpha=0.1),

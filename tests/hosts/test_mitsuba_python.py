@@ -127,6 +127,7 @@ def test_a_crop_window_is_scaled_with_its_film() -> None:
         (scenes.attribute_lamps, 3),
         (scenes.textured_lamps, 3),
         (scenes.environment, 3),
+        (scenes.suns_and_lamps, 3),
     ],
 )
 def test_an_imported_scene_looks_the_same(make: Any, depth: int) -> None:

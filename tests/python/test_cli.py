@@ -227,12 +227,19 @@ def test_info(main_here: Run, tmp_path: Path) -> None:
 
     file = GltfFile()
     file.node(mesh=file.quad())
-    file.node(extensions=file.light(type="directional"))
+    file.node(extensions=file.light(type="directional", intensity=683 * 4))
+    file.node(extensions=file.light(type="sun"))
     file.write(tmp_path / "sun.glb")
-    result = main_here("info", "sun.glb")
+    result = main_here("info", "sun.glb", "--gltf-lights", "candela")
     assert result.returncode == 0
     line = only_line(result.stderr)
-    assert line.startswith("lightcull: warning: sun.glb: not supported and left out: directional")
+    assert line.startswith("lightcull: warning: sun.glb: not supported and left out: sun lights")
+    assert "1: 0 triangles, 0 points, 0 spots, 1 directional lights" in result.stdout
+    assert "4 to 4 W/m^2 of directional lights" in result.stdout
+    assert "W/sr" not in result.stdout
+    refused = main_here("info", "cornell", "--gltf-lights", "watts")
+    assert refused.returncode == 1
+    assert "is for a .glb or .gltf" in only_line(refused.stderr)
 
 
 def test_ctrl_c_saves_the_image(command: Run, tmp_path: Path) -> None:

@@ -91,7 +91,7 @@ def test_constant_ranges_accept_in_proportion_to_the_lights() -> None:
         (("--methods", "vpl_all", "--max-depth", "6"), "max_depth is 6, wanted 3 to 5"),
         (
             ("--methods", "path,vpl_culled:source=shadow_map"),
-            "only spots and the environment can have one",
+            "only spots, directional lights and the environment can have one",
         ),
         (("--methods", "path", "--max-depth", "2"), "max_depth is 2: virtual lights give"),
     ],

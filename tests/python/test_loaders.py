@@ -110,18 +110,80 @@ def test_gltf_punctual_lights(tmp_path: Path) -> None:
     )
     file.node(children=[lamp], translation=[0, 3, 1])
     file.node(extensions=file.light(type="point", intensity=2), translation=[1, 2, 3])
-    file.node(extensions=file.light(type="directional"))
-    path = file.write(tmp_path / "a.glb")
-    assert "not supported and left out: directional lights (1)" in warning_of(path)
-    with pytest.warns(lightcull.UnsupportedWarning):
-        scene = lightcull.load(path)
-    spot, point = scene.lights()
+    file.node(
+        extensions=file.light(type="directional", color=[0.2, 1, 1], intensity=3),
+        rotation=quarter_turn,
+    )
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        scene = lightcull.load(file.write(tmp_path / "a.glb"))
+    spot, point, sun = scene.lights()
     assert scene.counts["spots"] == scene.counts["points"] == 1
+    assert scene.counts["directional lights"] == 1
+    assert list(scene.lights()["directional"]) == [False, False, True]
+    np.testing.assert_allclose(sun["axis"], [0, -1, 0], atol=1e-6)
+    assert sun["intensity"] == pytest.approx(3 * (0.2126 * 0.2 + 0.7152 + 0.0722), rel=1e-4)
     np.testing.assert_allclose(spot["center"], [0, 3, 1], atol=1e-6)
     np.testing.assert_allclose(spot["axis"], [0, -1, 0], atol=1e-6)
     np.testing.assert_allclose(spot["cos_theta_e"], np.cos(0.5), rtol=1e-5)
     np.testing.assert_allclose(point["center"], [1, 2, 3])
     assert point["intensity"] == pytest.approx(2)
+
+
+def lamps_and_a_panel(generator: str) -> GltfFile:
+    """A point of 683 * 2 and a sun of 683 * 3, as Blender writes 2 W/sr and 3 W/m^2, and a panel of
+    a radiance of 5.
+    """
+    file = emitting(emissiveFactor=[1, 1, 1], extensions={
+        "KHR_materials_emissive_strength": {"emissiveStrength": 5}
+    })  # fmt: skip
+    file.document["asset"]["generator"] = generator
+    file.node(extensions=file.light(type="point", intensity=683 * 2), translation=[1, 2, 3])
+    file.node(extensions=file.light(type="directional", intensity=683 * 3))
+    return file
+
+
+BLENDER = "Khronos glTF Blender I/O v4.2.57"
+
+
+def test_gltf_lights_of_blender_beside_panels_ask_for_their_unit(tmp_path: Path) -> None:
+    path = lamps_and_a_panel(BLENDER).write(tmp_path / "a.glb")
+    text = warning_of(path)
+    assert "683 times as bright" in text
+    assert "--gltf-lights" in text
+    for unit, factor in (("watts", 683.0), ("candela", 1.0)):
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            lights = lightcull.load(path, gltf_lights=unit).lights()
+        of_panel, point, sun = lights["intensity"][:2], *lights["intensity"][2:]
+        assert point == pytest.approx(2 * factor, rel=1e-5)
+        assert sun == pytest.approx(3 * factor, rel=1e-5)
+        np.testing.assert_allclose(of_panel, 5 * 2, rtol=1e-5)
+
+
+def test_gltf_lights_ask_for_no_unit_where_nothing_is_odd(tmp_path: Path) -> None:
+    file = lamps_and_a_panel("another program")
+    alone = GltfFile()
+    alone.document["asset"]["generator"] = BLENDER
+    alone.node(mesh=alone.quad())
+    alone.camera(translation=[0, 0, 2])
+    alone.node(extensions=alone.light(type="directional", intensity=683))
+    panel = emitting(emissiveFactor=[1, 1, 1])
+    panel.document["asset"]["generator"] = BLENDER
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        for name, one in (("a", file), ("b", alone), ("c", panel)):
+            lightcull.load(one.write(tmp_path / f"{name}.glb"))
+
+
+def test_the_unit_of_gltf_lights_is_one_of_two_and_of_gltf_alone(tmp_path: Path) -> None:
+    path = lamps_and_a_panel(BLENDER).write(tmp_path / "a.glb")
+    with pytest.raises(lightcull.Error, match="wanted candela or watts, got 'lux'"):
+        lightcull.load(path, gltf_lights="lux")  # type: ignore[arg-type]
+    with pytest.raises(lightcull.Error, match="is for a .glb or .gltf"):
+        lightcull.load(write_obj(tmp_path, "newmtl a"), gltf_lights="watts")
+    with pytest.raises(lightcull.Error, match="is for a .glb or .gltf"):
+        lightcull.open_scene("cornell", gltf_lights="watts")
 
 
 def test_gltf_spots_with_a_hard_edge_are_lit(tmp_path: Path) -> None:

@@ -66,6 +66,25 @@ def test_lights_of_spots_and_bounds() -> None:
         lightcull.spot_lights(z, -z, one, inner, None)
 
 
+def test_directional_lights_are_chosen_by_what_they_give() -> None:
+    suns = lightcull.directional_lights(
+        np.float32([[0, -2, 0], [3, -4, 0], [0, 1, 0]]), np.float32([1, 5, 9])
+    )
+    assert suns.dtype == lightcull.LIGHT
+    assert suns["directional"].all()
+    np.testing.assert_allclose(suns["axis"][1], [0.6, -0.8, 0], atol=1e-6)
+    lamp = lightcull.point_lights(np.float32([[0, 2, 0]]), np.float32([4]))
+    lights = np.concatenate([suns, lamp])
+    sampler = lightcull.LightSampler(lights, "exhaustive")
+    place, up = np.zeros((4, 3), np.float32), np.tile(np.float32([0, 1, 0]), (4, 1))
+    chosen = sampler.select(place, up, floats(4))
+    prob = sampler.prob(place, up, chosen, np.arange(4, dtype=np.uint32))
+    np.testing.assert_allclose(prob, np.array([1, 4, 0, 1]) / 6, rtol=1e-5)
+    scene = lightcull.Scene()
+    scene.add_directional_light((0, -2, 0), (1, 1, 1))
+    assert scene.lights()[0] == suns[0]
+
+
 @pytest.mark.parametrize("name", UNBIASED)
 def test_prob_is_that_of_the_selection(name: str) -> None:
     sampler = lightcull.LightSampler(LIGHTS, name)

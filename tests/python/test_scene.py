@@ -25,6 +25,23 @@ def test_lights_are_in_the_order_in_which_they_were_added() -> None:
     assert scene.counts["points"] == scene.counts["spots"] == 1
 
 
+def test_a_directional_light_is_a_light_and_part_of_the_digest() -> None:
+    digests = set()
+    down = (0, -2, 0)
+    for direction, irradiance in ((down, (7, 7, 7)), ((0, -1, 1), (7, 7, 7)), (down, (7, 7, 8))):
+        scene = make_room(lamps=1)
+        scene.add_directional_light(direction, irradiance)
+        digests.add(scene.digest())
+    assert len(digests) == 3
+    lights = scene.lights()
+    assert list(lights["directional"]) == [False, False, True]
+    np.testing.assert_allclose(lights["axis"][2], [0, -1, 0], atol=1e-6)
+    assert lights["intensity"][2] == pytest.approx(7 * (0.2126 + 0.7152) + 8 * 0.0722, rel=1e-4)
+    assert scene.counts["directional lights"] == 1
+    with pytest.raises(lightcull.Error, match="light 2, directional: direction is 0"):
+        make_room(lamps=1).add_directional_light((0, 0, 0), (1, 1, 1))
+
+
 def test_a_scene_is_closed_by_its_first_use(room: lightcull.Scene) -> None:
     room.lights()
     with pytest.raises(lightcull.Error, match="nothing can be changed"):

@@ -54,6 +54,15 @@ inline std::vector<Light> mixed_lights(std::uint32_t count, std::uint64_t seed,
     return lights;
 }
 
+/// The lights with a directional one, from anywhere and as strong, in place of each `every`-th.
+inline std::vector<Light> with_suns(std::vector<Light> lights, std::size_t every) {
+    RandomStream random(4);
+    for (std::size_t i = every / 2; i < lights.size(); i += every) {
+        lights[i] = directional_light(random_direction(random), lights[i].intensity);
+    }
+    return lights;
+}
+
 inline GlossyLobe random_lobe(RandomStream& random) {
     const float3 axis = random_direction(random);
     const float alpha = std::exp(-5.0f * random.next());

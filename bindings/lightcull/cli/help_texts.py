@@ -64,8 +64,9 @@ Options follow at colons: lights=65536 (light paths), shadows=rays|maps|none (ma
 imperfect shadow maps, not of vpl_grid), accepted=32 (virtual lights per pixel; or error_bound=),
 interleave=8 (1, 2, 4), filter=on|off, volume=spheroid|sphere_around|
 sphere_at_light, tile=16 (pixels along the edge of a tile; small ones are often faster),
-culling=tiles|splatting (with shadows=none), source=paths|shadow_map (of spots and the environment, lights= texels each); of vpl_grid
-alpha=2 (accuracy) and samples=4 (shadow rays per pixel). New virtual lights are drawn in each pass. --sampler is for direct light."""
+culling=tiles|splatting (with shadows=none), source=paths|shadow_map (of spots, directional lights and
+the environment, lights= texels each); of vpl_grid alpha=2 (accuracy) and samples=4 (shadow rays per
+pixel). New virtual lights are drawn in each pass. --sampler is for direct light."""
 
 COMPARE = """\
 examples:

@@ -76,7 +76,8 @@ def _memory(need: MemoryNeed, ways: str, settings: RenderSettings) -> str:
 
 def _facts(scene: Scene) -> Iterator[tuple[str, str]]:
     lights, counts, bounds = scene.lights(), scene.counts, scene.bounds
-    triangles = len(lights) - counts["points"] - counts["spots"] - counts["virtual lights"]
+    rarer = {kind: counts[kind] for kind in ("directional lights", "virtual lights")}
+    triangles = len(lights) - counts["points"] - counts["spots"] - sum(rarer.values())
     yield "scene", scene.name
     yield "triangles", f"{scene.triangle_count:,} in {counts['meshes']:,} meshes"
     yield "materials", f"{counts['materials']:,}, textures {counts['textures']:,}"
@@ -84,12 +85,16 @@ def _facts(scene: Scene) -> Iterator[tuple[str, str]]:
         "lights",
         f"{len(lights):,}: {triangles:,} triangles, {counts['points']:,} points, "
         f"{counts['spots']:,} spots"
-        + (f", {counts['virtual lights']:,} virtual lights" if counts["virtual lights"] else ""),
+        + "".join(f", {count:,} {kind}" for kind, count in rarer.items() if count),
     )
-    strong = lights["intensity"][lights["intensity"] > 0]
-    if len(strong):
-        low, middle, high = np.quantile(strong, (0, 0.5, 1))
-        yield "intensity", f"{low:.3g} to {high:.3g} W/sr, median {middle:.3g}"
+    for name, unit, of in (
+        ("intensity", "W/sr", ~lights["directional"]),
+        ("irradiance", "W/m^2 of directional lights", lights["directional"]),
+    ):
+        strong = lights["intensity"][of & (lights["intensity"] > 0)]
+        if len(strong):
+            low, middle, high = np.quantile(strong, (0, 0.5, 1))
+            yield name, f"{low:.3g} to {high:.3g} {unit}, median {middle:.3g}"
     yield "environment", "yes" if scene.has_environment else "no"
     if bounds is not None:
         yield "bounds", f"{_vector(bounds[0])} to {_vector(bounds[1])} m"

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
-from typing import NoReturn
+from typing import NoReturn, get_args
 
 from ..bench import DEFAULT_SAMPLERS as BENCH_SAMPLERS
 from ..bench import DEFAULT_SIZE as BENCH_SIZE
 from ..bench import DEFAULT_THREADS as BENCH_THREADS
 from ..comparing.compare import DEFAULT_SAMPLERS
+from ..loaders.gltf import LightUnit
 from ..methods.studies import MOST_LIGHTS
 from ..rendering.method import METHODS, PATH
 from ..rendering.settings import DIRECT_LIGHT, RR_DEPTH
@@ -111,6 +112,12 @@ def _add_scene(parser: argparse.ArgumentParser) -> None:
         "--virtual-lights", type=types.from_one, metavar="N",
         help="add virtual lights to the scene's: where N light paths meet surfaces for the first "
         "time. Not for an .xml",
+    )  # fmt: skip
+    parser.add_argument(
+        "--gltf-lights", choices=get_args(LightUnit),
+        help="unit of the points, spots and suns of a glTF file beside surfaces that emit: candela "
+        "and lux, which are divided by 683, as Blender has multiplied them unless told not to, or "
+        "watts; default: watts",
     )  # fmt: skip
 
 

@@ -32,12 +32,14 @@ def open_any(options: argparse.Namespace, default_depth: int) -> tuple[AnyScene,
         raise Error(f"{options.scene}: --host mitsuba is for an .xml scene of Mitsuba's")
     if options.virtual_lights is not None:
         raise Error(f"{options.scene}: --virtual-lights is not for a scene of Mitsuba's")
+    if options.gltf_lights is not None:
+        raise Error(f"{options.scene}: --gltf-lights is not for a scene of Mitsuba's")
     return _open_mitsuba(options)
 
 
 def open_ours(options: argparse.Namespace) -> Scene:
     """A scene for our own renderer."""
-    scene = open_scene(options.scene)
+    scene = open_scene(options.scene, gltf_lights=options.gltf_lights)
     if options.virtual_lights is not None:
         scene.add_virtual_lights(options.virtual_lights)
     return scene

@@ -6,14 +6,16 @@ import difflib
 import os
 import warnings
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 
 from .. import checks, scenes
 from .._core import Error
 from ..scene import Scene
-from .gltf import fill_from_gltf
+from .gltf import LightUnit, fill_from_gltf
 from .obj_ply import fill_from_obj, fill_from_ply
 from .unsupported import Notes, UnsupportedWarning
 
@@ -27,13 +29,18 @@ _LOADERS: dict[str, Callable[[Path, Scene, Notes], None]] = {
 }
 
 
-def load(path: str | os.PathLike[str]) -> Scene:
+def load(path: str | os.PathLike[str], *, gltf_lights: LightUnit | None = None) -> Scene:
     """Loads a scene from a .glb, .gltf, .obj or .ply file.
 
     Of glTF: triangles, metallic-roughness materials and their textures, emission with its texture
-    and KHR_materials_emissive_strength, KHR_lights_punctual (points and spots), and the first
-    perspective camera. Candela are taken as W/sr, and candela per square metre as W/(m^2 sr). Of
-    OBJ: diffuse colour and emission (Ke) with their textures. Of PLY: triangles and one texture.
+    and KHR_materials_emissive_strength, KHR_lights_punctual, and the first perspective camera. Its
+    photometric units are taken as radiometric ones: candela as W/sr, lux as W/m^2, candela per
+    square metre as W/(m^2 sr), so that lights and surfaces that emit keep their proportion. Of OBJ: diffuse colour and emission (Ke) with their textures. Of PLY: triangles and one texture.
+
+    gltf_lights: the unit of the lights of KHR_lights_punctual beside what surfaces emit. "candela"
+    divides them by 683 lumens a watt: Blender's exporter has multiplied them, and not what
+    surfaces emit, unless its lighting mode was changed. "watts" takes them as they are. None does
+    so too, and warns where a file of Blender's has both.
 
     What the file has beyond that is named in one `UnsupportedWarning`. It also says so if there was
     no camera (one is placed that sees everything) or no light (the surroundings are made white).
@@ -42,6 +49,8 @@ def load(path: str | os.PathLike[str]) -> Scene:
     fill = _LOADERS.get(path.suffix.lower())
     if fill is None:
         raise Error(f"{path}: wanted a name that ends in {', '.join(_LOADERS)}")
+    if gltf_lights is not None:
+        fill = _with_unit(path, gltf_lights)
     _check_file(path)
     scene, notes = Scene(path.stem), Notes()
     try:
@@ -54,6 +63,14 @@ def load(path: str | os.PathLike[str]) -> Scene:
     if message := notes.message():
         warnings.warn(f"{path}: {message}", UnsupportedWarning, stacklevel=2)
     return scene
+
+
+def _with_unit(path: Path, unit: str) -> Callable[[Path, Scene, Notes], None]:
+    if unit not in get_args(LightUnit):
+        raise Error(f"gltf_lights: wanted {' or '.join(get_args(LightUnit))}, got {unit!r}")
+    if _LOADERS[path.suffix.lower()] is not fill_from_gltf:
+        raise Error(f"{path}: gltf_lights is for a .glb or .gltf")
+    return partial(fill_from_gltf, unit=unit)
 
 
 def _check_file(path: Path) -> None:
@@ -81,13 +98,15 @@ def example_scene(name: str) -> Scene:
     return scene
 
 
-def open_scene(name_or_path: str) -> Scene:
-    """An example scene by its name, else a scene from a file."""
+def open_scene(name_or_path: str, *, gltf_lights: LightUnit | None = None) -> Scene:
+    """An example scene by its name, else a scene from a file, as `load` makes it."""
     if name_or_path in scenes.NAMES:
+        if gltf_lights is not None:
+            raise Error(f"{name_or_path}: gltf_lights is for a .glb or .gltf")
         return example_scene(name_or_path)
     path = Path(checks.path("scene", name_or_path))
     if os.path.exists(name_or_path) or path.suffix.lower() in _LOADERS:
-        return load(name_or_path)
+        return load(name_or_path, gltf_lights=gltf_lights)
     raise Error(
         f"{name_or_path!r} is neither a file nor an example scene"
         f"{_did_you_mean(name_or_path)}; {_there_are()}"

@@ -8,7 +8,7 @@ import io
 import json
 import struct
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 import trimesh
@@ -26,19 +26,34 @@ from .meshes import Surface, add_geometry, parse, uvs_of
 from .textures import texels_of
 from .unsupported import Notes
 
+LightUnit: TypeAlias = Literal["candela", "watts"]
+"""The unit of punctual lights: candela and lux, or W/sr and W/m^2."""
+LUMENS_PER_WATT = 683.0
+"""The factor by which Blender makes lumens of watts, whatever the colour."""
+
 _GLB_MAGIC, _JSON_CHUNK = 0x46546C67, 0x4E4F534A
+_BLENDER = "Khronos glTF Blender I/O"
 
 
-def fill_from_gltf(path: Path, scene: Scene, notes: Notes) -> None:
-    """Fills a scene from a .glb or .gltf file."""
+def fill_from_gltf(path: Path, scene: Scene, notes: Notes, unit: LightUnit | None = None) -> None:
+    """Fills a scene from a .glb or .gltf file. unit: that of its lights; None: watts, with a remark
+    where that may be wrong.
+    """
     document, chunks = _read(path)
     try:
-        _fill(path, document, chunks, scene, notes)
+        _fill(path, document, chunks, scene, notes, unit)
     except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
         raise Error(f"its JSON makes no sense: {type(error).__name__}: {error}") from error
 
 
-def _fill(path: Path, document: Json, chunks: bytes, scene: Scene, notes: Notes) -> None:
+def _fill(
+    path: Path,
+    document: Json,
+    chunks: bytes,
+    scene: Scene,
+    notes: Notes,
+    unit: LightUnit | None,
+) -> None:
     note_unsupported(document, notes)
     stream = _write(path, _for_trimesh(document), chunks)
     parsed = parse(path, stream, notes)
@@ -47,11 +62,24 @@ def _fill(path: Path, document: Json, chunks: bytes, scene: Scene, notes: Notes)
     for transform, name in _placed_geometries(parsed):
         geometry = parsed.geometry[name]
         add_geometry(scene, name, geometry, transform, surfaces.of(geometry), notes)
+    factor = 1.0 / LUMENS_PER_WATT if unit == "candela" else 1.0
+    punctual = False
     for index, node in _numbered_nodes(document):
         if str(index) in parsed.graph.nodes:
             transform = parsed.graph[str(index)][0]
-            _add_light(document, node, transform, scene, notes)
+            punctual |= _add_light(document, node, transform, factor, scene, notes)
             _set_camera(document, node, transform, scene, notes)
+    if unit is None and punctual and surfaces.emit and _is_of_blender(document):
+        notes.remark(
+            f"written by Blender, whose points, spots and suns are {LUMENS_PER_WATT:g} times as "
+            "bright beside meshes that emit as they are in Blender, unless its lighting mode was "
+            'not the default: say "candela" to divide them by that, "watts" to keep them '
+            "(--gltf-lights)"
+        )
+
+
+def _is_of_blender(document: Json) -> bool:
+    return str(document.get("asset", {}).get("generator", "")).startswith(_BLENDER)
 
 
 def _read(path: Path) -> tuple[Json, bytes]:
@@ -139,6 +167,8 @@ class _Surfaces:
         self._scene = scene
         self._notes = notes
         self._made: dict[tuple[int | None, bool], Surface] = {}
+        self.emit = False
+        """Whether any that was made emits."""
 
     def of(self, geometry: Any) -> Surface:
         parsed = getattr(geometry.visual, "material", None)
@@ -166,6 +196,7 @@ class _Surfaces:
         extension = given.get("extensions", {}).get("KHR_materials_emissive_strength", {})
         strength = float(extension.get("emissiveStrength", 1.0))
         r, g, b = (strength * float(f) for f in given.get("emissiveFactor", (0.0, 0.0, 0.0)))
+        self.emit |= max(r, g, b) > 0
         return Surface(
             material,
             (r, g, b),
@@ -188,14 +219,16 @@ class _Surfaces:
 
 
 def _add_light(
-    document: Json, node: Json, transform: np.ndarray, scene: Scene, notes: Notes
-) -> None:
+    document: Json, node: Json, transform: np.ndarray, factor: float, scene: Scene, notes: Notes
+) -> bool:
+    """Adds the light of a node, its intensity times a factor. False if there is none."""
     index = node.get("extensions", {}).get("KHR_lights_punctual", {}).get("light")
     if index is None:
-        return
+        return False
     light = document["extensions"]["KHR_lights_punctual"]["lights"][index]
     kind = light.get("type")
-    intensity = float(light.get("intensity", 1.0)) * np.array(light.get("color", [1.0, 1.0, 1.0]))
+    strength = factor * float(light.get("intensity", 1.0))
+    intensity = strength * np.array(light.get("color", [1.0, 1.0, 1.0]))
     position, direction = transform[:3, 3], -transform[:3, 2]
     if kind == "point":
         scene.add_point_light(position, intensity)
@@ -203,12 +236,15 @@ def _add_light(
         cone = light.get("spot", {})
         inner, outer = cone.get("innerConeAngle", 0.0), cone.get("outerConeAngle", np.pi / 4)
         scene.add_spot_light(position, direction, intensity, float(inner), float(outer))
+    elif kind == "directional":
+        scene.add_directional_light(direction, intensity)
     else:
         notes.left_out(f"{kind} lights")
-        return
+        return False
     notes.has_light = True
-    if "range" in light:
+    if "range" in light and kind != "directional":
         notes.left_out("ranges of lights")
+    return True
 
 
 def _set_camera(

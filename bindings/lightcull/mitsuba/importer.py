@@ -24,8 +24,8 @@ def import_scene(scene: Any, name: str = "scene") -> Scene:
 
     An RGB variant must be set. Taken over are meshes and rectangles; diffuse and principled
     materials, and those two-sided; area emitters with a colour, a texture or a `face_radiance`;
-    points, spots, environments; the first sensor. All else is named in one `UnsupportedWarning`;
-    what emits by it is left out, and materials are grey.
+    points, spots, directional lights, environments; the first sensor. All else is named in one
+    `UnsupportedWarning`; what emits by it is left out, and materials are grey.
     """
     if "rgb" not in mitsuba().variant():
         raise Error(f"import_scene: wanted an RGB variant, got {mitsuba().variant()}")
@@ -194,6 +194,9 @@ class _Import:
             self._scene.add_point_light(place, _rgb(values["intensity.value"]))
         elif kind == "SpotLight" and "intensity.value" in values and "texture.value" in values:
             self._add_spot(emitter, values)
+        elif kind == "DirectionalEmitter" and "irradiance.value" in values:
+            direction = _matrix(values["to_world"])[:3, 2]
+            self._scene.add_directional_light(direction, _rgb(values["irradiance.value"]))
         elif kind == "ConstantBackgroundEmitter" and "radiance.value" in values:
             self._scene.set_environment(_rgb(values["radiance.value"]))
         elif kind == "EnvironmentMapEmitter":

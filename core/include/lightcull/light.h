@@ -18,6 +18,7 @@ namespace lightcull {
 /// | point, sphere, tube  | any       | -1          | 0           |
 /// | spot                 | direction | cos(inner)  | cos(outer - inner) |
 /// | glossy point         | direction | -1          | 0           |
+/// | directional          | direction | -1          | 0           |
 struct Light {
     float3 center;              ///< centre of the bounding sphere, metres
     float radius = 0.0f;        ///< radius of the bounding sphere, metres, >= 0
@@ -25,10 +26,13 @@ struct Light {
     float cos_theta_o = -1.0f;  ///< cosine of the half-angle of the cone of normals, [-1, 1]
     float cos_theta_e = 0.0f;   ///< cosine of the largest angle to a normal, [0, 1]
     float intensity = 0.0f;     ///< peak radiant intensity, W/sr, luminance-weighted, >= 0:
-                                ///< Lbar_i A_i of [TH16] Eq. 7, max I_i of Eq. 6
+                                ///< Lbar_i A_i of [TH16] Eq. 7, max I_i of Eq. 6; of a directional
+                                ///< light irradiance, W/m^2
     bool two_sided = false;     ///< the light emits about -axis as it does about axis
     float lobe_alpha = 0.0f;    ///< alpha of a glossy point, [1e-3, 1]: see glossy_point_light(); 0
                                 ///< for all others
+    bool directional = false;   ///< the light is infinitely far and shines along `axis`: see
+                                ///< directional_light(); `center` does not matter
 };
 
 /// A triangle that emits `radiance` (mean over its area, luminance, W/(m^2 sr)) on the side from
@@ -70,6 +74,10 @@ LIGHTCULL_EXPORT Light diffuse_point_light(float3 position, float3 normal,
 /// ([TH17] Eqs. 9 to 12).
 LIGHTCULL_EXPORT Light glossy_point_light(float3 position, float3 direction, float intensity,
                                           float alpha) noexcept;
+
+/// A sun: parallel light from infinity that goes into `direction` (any length but 0). It gives
+/// `irradiance` (luminance, W/m^2) to a surface that faces it.
+LIGHTCULL_EXPORT Light directional_light(float3 direction, float irradiance) noexcept;
 
 /// A light of which only a box (metres), a cone of directions and the radiant power (luminance, W)
 /// are known. The cone is that of Light.

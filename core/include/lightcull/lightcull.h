@@ -77,21 +77,24 @@ LIGHTCULL_C_API const char* lightcull_last_error(void);
 /// What a sampler knows of one light: bounds, the directions it emits into, and how strongly. Light
 /// (light.h) explains the cone, with a table of kinds of light.
 typedef struct lightcull_light {
-    uint32_t size;      ///< sizeof(lightcull_light)
-    float center[3];    ///< centre of the bounding sphere, metres
-    float radius;       ///< radius of the bounding sphere, metres, >= 0
-    float axis[3];      ///< axis of the cone of normals, unit length
-    float cos_theta_o;  ///< cosine of the half-angle of the cone of normals, [-1, 1]; 1: flat
-    float cos_theta_e;  ///< cosine of the largest angle to a normal, [0, 1]
-    float intensity;    ///< peak radiant intensity, W/sr, luminance-weighted, >= 0
-    int32_t two_sided;  ///< other than 0: the light emits about -axis as it does about axis
-    float lobe_alpha;   ///< alpha of a glossy point, [1e-3, 1]; 0 for all others
+    uint32_t size;        ///< sizeof(lightcull_light)
+    float center[3];      ///< centre of the bounding sphere, metres
+    float radius;         ///< radius of the bounding sphere, metres, >= 0
+    float axis[3];        ///< axis of the cone of normals, unit length
+    float cos_theta_o;    ///< cosine of the half-angle of the cone of normals, [-1, 1]; 1: flat
+    float cos_theta_e;    ///< cosine of the largest angle to a normal, [0, 1]
+    float intensity;      ///< peak radiant intensity, W/sr, luminance-weighted, >= 0; of a
+                          ///< directional light irradiance, W/m^2
+    int32_t two_sided;    ///< other than 0: the light emits about -axis as it does about axis
+    float lobe_alpha;     ///< alpha of a glossy point, [1e-3, 1]; 0 for all others
+    int32_t directional;  ///< other than 0: the light is infinitely far and shines along axis;
+                          ///< structs of a size without this field are taken, too
 } lightcull_light;
 
 /// A light at the origin that does not emit. Use in C++ and C: lightcull_light light
 /// = LIGHTCULL_LIGHT_INIT;
 #define LIGHTCULL_LIGHT_INIT \
-    { sizeof(lightcull_light), {0, 0, 0}, 0, {0, 0, 1}, -1, 0, 0, 0, 0 }
+    { sizeof(lightcull_light), {0, 0, 0}, 0, {0, 0, 1}, -1, 0, 0, 0, 0, 0 }
 
 /* The calls below set all of *light but its size, which the host has set. They fail for a null
    pointer and for a size that is wrong; numbers out of range are found when a sampler is made. */
@@ -144,6 +147,13 @@ LIGHTCULL_C_API lightcull_error lightcull_glossy_point_light(const float positio
                                                              const float direction[3],
                                                              float intensity, float alpha,
                                                              lightcull_light* light);
+
+/// A sun: parallel light from infinity that goes into `direction` (any length but 0) and gives
+/// `irradiance` (luminance, W/m^2) to a surface that faces it. *light must have the field
+/// `directional`.
+LIGHTCULL_C_API lightcull_error lightcull_directional_light(const float direction[3],
+                                                            float irradiance,
+                                                            lightcull_light* light);
 
 /// A light of which only a box (metres), a cone of directions and the radiant power (luminance, W)
 /// are known. The cone is that of lightcull_light.

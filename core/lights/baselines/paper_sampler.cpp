@@ -61,7 +61,7 @@ class PaperSampler final : public PaperSamplerBase, public SamplerInfo {
           intensity_sum_(0.0f) {
         double sum = 0.0;
         for (const std::uint32_t i : table.lit) {
-            sum += static_cast<double>(table.records[i].intensity);
+            sum += static_cast<double>(intensity_nearby(table.records[i]));
         }
         intensity_sum_ = static_cast<float>(sum);
     }
@@ -102,7 +102,7 @@ class PaperSampler final : public PaperSamplerBase, public SamplerInfo {
         const std::uint32_t record = tree_.to_record(light);
         if (record == CullingTree::kNoRecord) return 0.0f;
         const LightRecord& data = tree_.record(record);
-        if (has_proxy()) return data.intensity / intensity_sum_;
+        if (has_proxy()) return intensity_nearby(data) / intensity_sum_;
         const Receiver receiver(tree_.frame(), point);
         const Approach way = approach(receiver.position, data.center);
         const Accepted as_if{record, importance(data, way, receiver),
@@ -121,8 +121,11 @@ class PaperSampler final : public PaperSamplerBase, public SamplerInfo {
         const Frame& frame = tree_.frame();
         const RandomRanges& ranges = tree_.ranges();
         const std::uint32_t record = tree_.to_record(light);
-        const float intensity = tree_.record(record).intensity;
-        const float distance = length(frame.position(vertex) - frame.position(point.position));
+        const LightRecord& data = tree_.record(record);
+        const float intensity = data.intensity;
+        // The vertex of a sun is nowhere.
+        const float3 end = is_far(data) ? data.center : frame.position(vertex);
+        const float distance = length(end - frame.position(point.position));
         if (distance > ranges.range(intensity, ranges.xi(record, receipt.key))) return 0.0f;
         return 1.0f / ranges.inverse_prob(intensity, distance);
     }
@@ -142,7 +145,8 @@ class PaperSampler final : public PaperSamplerBase, public SamplerInfo {
     bool has_proxy() const noexcept { return range_at_vertex_ || list_size_ > 0; }
 
     Selection selection(std::uint32_t record, float prob, const Receipt& receipt) const noexcept {
-        const float mis_prob = has_proxy() ? tree_.record(record).intensity / intensity_sum_ : prob;
+        const float mis_prob =
+            has_proxy() ? intensity_nearby(tree_.record(record)) / intensity_sum_ : prob;
         return {tree_.to_light(record), prob, mis_prob, receipt};
     }
 

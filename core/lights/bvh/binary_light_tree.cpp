@@ -1,6 +1,7 @@
 #include "lights/bvh/binary_light_tree.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
@@ -22,7 +23,8 @@ class OrientationHeuristic {
     using Cost = float;
 
     static constexpr std::size_t kDimensions = 3;
-    static constexpr std::uint32_t kMaxDepth = LightBvh<BoundsNode>::kMaxDepth;
+    // One level is left for the root above near and far lights.
+    static constexpr std::uint32_t kMaxDepth = LightBvh<BoundsNode>::kMaxDepth - 1;
     static constexpr std::uint32_t kHalvedCount = 2;
 
     struct Extent {
@@ -53,14 +55,16 @@ class OrientationHeuristic {
     struct Scale {
         float3 size;    ///< size of the box around the set
         float longest;  ///< longest of the box's sides
+        float unit;     ///< a power of 2 in which sides are about 1: areas of suns overflow
     };
 
     explicit OrientationHeuristic(const LightTable& table) : table_(table) {}
 
-    std::vector<Item> items() const {
+    /// The lights that are far, or all others.
+    std::vector<Item> items(bool far) const {
         std::vector<Item> result;
-        result.reserve(table_.lit.size());
         for (const std::uint32_t i : table_.lit) {
+            if (is_far(table_.records[i]) != far) continue;
             const LightCluster cluster = cluster_of(table_.records[i]);
             result.push_back({{cluster.box, cluster.cone, cluster.intensity, 1}, i});
         }
@@ -75,7 +79,8 @@ class OrientationHeuristic {
         Box bounds;
         for (const Item& item : items) bounds.add(item.extent.box);
         const float3 size = bounds.high - bounds.low;
-        return {size, std::max({size.x, size.y, size.z})};
+        const float longest = std::max({size.x, size.y, size.z});
+        return {size, longest, longest > 0.0f ? std::ldexp(1.0f, -std::ilogb(longest)) : 1.0f};
     }
     /// A factor of the cost that counts against long thin sets.
     float weight(std::size_t dimension, const Scale& scale) const noexcept {
@@ -85,7 +90,8 @@ class OrientationHeuristic {
         // Flat and straight sets have no area.
         constexpr float kLeastSize = 1e-2f;
         const float least = scale.longest * kLeastSize;
-        const float3 size = max(extent.box.high - extent.box.low, {least, least, least});
+        const float3 size =
+            max(extent.box.high - extent.box.low, {least, least, least}) * scale.unit;
         const float area = size.x * size.y + size.y * size.z + size.z * size.x;
         return extent.intensity * area * orientation_measure(extent.cone);
     }
@@ -101,11 +107,40 @@ class OrientationHeuristic {
     const LightTable& table_;
 };
 
+/// Appends the nodes of a tree to others. Returns the index of its root.
+std::uint32_t append(const std::vector<BinaryLightNode>& tree,
+                     std::vector<BinaryLightNode>& nodes) {
+    const auto root = static_cast<std::uint32_t>(nodes.size());
+    for (const BinaryLightNode& node : tree) {
+        nodes.push_back(node);
+        if (!node.is_leaf()) nodes.back().right += root;
+    }
+    return root;
+}
+
+/// A tree whose root has these two below it; where one is empty, the other.
+std::vector<BinaryLightNode> joined(const OrientationHeuristic& heuristic,
+                                    std::vector<BinaryLightNode> left,
+                                    std::vector<BinaryLightNode> right) {
+    if (right.empty()) return left;
+    if (left.empty()) return right;
+    std::vector<BinaryLightNode> nodes(1);
+    nodes.reserve(1 + left.size() + right.size());
+    append(left, nodes);
+    nodes[0].right = append(right, nodes);
+    heuristic.close(nodes[0], nodes[1], nodes[nodes[0].right]);
+    return nodes;
+}
+
 }  // namespace
 
 std::vector<BinaryLightNode> build_binary_light_tree(const LightTable& table) {
     const OrientationHeuristic heuristic(table);
-    return BinnedTree<OrientationHeuristic>::build(heuristic, heuristic.items());
+    const auto build = [&](bool far) {
+        return BinnedTree<OrientationHeuristic>::build(heuristic, heuristic.items(far));
+    };
+    // Of a cluster of suns and lamps only the suns would count.
+    return joined(heuristic, build(false), build(true));
 }
 
 }  // namespace lightcull

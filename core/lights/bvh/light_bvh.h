@@ -111,7 +111,8 @@ bool holds_all_lit(const LightBvh<Node>& bvh, const LightTable& table) noexcept 
 }
 
 /// The looseness of a tree, whatever the size of all of it: the sum over inner slots of intensity
-/// by squared radius, relative to those of the root. It is 0 without inner slots.
+/// by squared radius, relative to those of the root. It is 0 without inner slots. Far lights do not
+/// count.
 template <typename Node>
 double looseness(const LightBvh<Node>& bvh) noexcept;
 

@@ -16,9 +16,10 @@ constexpr std::size_t kWidth = LightBvhNode::kWidth;
 
 /// The cost of a node: the sum of intensities would count the nodes visited by selections from
 /// afar, the number of nodes would favour full ones; the sum of the roots of intensities serves
-/// both.
+/// both. Suns count by what they give near the other lights.
 float cost_of(const BinaryLightNode& node) noexcept {
-    return std::sqrt(node.cluster.intensity);
+    const LightCluster& cluster = node.cluster;
+    return std::sqrt(cluster.intensity / far_distance2(cluster.center, cluster.variance));
 }
 
 /// Makes the nodes and links of the wide tree, breadth first; sources[slot] is the binary node to

@@ -55,6 +55,12 @@ LightCluster refit(Node& node, const LightTable& table, const std::vector<LightC
     return all;
 }
 
+template <typename Node>
+bool holds_suns(const Node& node, std::size_t place) noexcept {
+    const float3 center{node.center[0][place], node.center[1][place], node.center[2][place]};
+    return far_distance2(center, node.radius[place] * node.radius[place]) > 1.0f;
+}
+
 }  // namespace
 
 template <typename Node>
@@ -82,6 +88,7 @@ double looseness(const LightBvh<Node>& bvh) noexcept {
         for (std::size_t place = 0; place < kWidth; ++place) {
             const auto intensity = static_cast<double>(node.intensity[place]);
             if (!(intensity > 0.0)) continue;
+            if (holds_suns(node, place)) continue;
             const auto radius = static_cast<double>(node.radius[place]);
             const bool inner = (node.child[place] & LightBvhNode::kLight) == 0;
             if (inner) sum += intensity * radius * radius;

@@ -2,6 +2,7 @@
 
 #include <lightcull/error.h>
 
+#include <cstddef>
 #include <initializer_list>
 #include <string>
 
@@ -20,35 +21,45 @@ void to_array(float3 from, float (&to)[3]) noexcept {
     to[2] = from.z;
 }
 
+/// The size of the struct before it had the field `directional`, which is its last.
+constexpr std::size_t kFirstSize = offsetof(lightcull_light, directional);
+
+/// Structs of that size go by pointer: a reference says that all of the struct is there.
+bool has_directional(const lightcull_light* light) noexcept {
+    return light->size == sizeof(lightcull_light);
+}
+
 /// Throws Error for a wrong size. name: the name of the light in messages.
-void check_size(const lightcull_light& light, const std::string& name) {
-    if (light.size == sizeof(lightcull_light)) return;
-    throw Error(name + ": size is " + std::to_string(light.size) + ", wanted " +
+void check_size(const lightcull_light* light, const std::string& name) {
+    if (has_directional(light) || light->size == kFirstSize) return;
+    throw Error(name + ": size is " + std::to_string(light->size) + ", wanted " +
                 std::to_string(sizeof(lightcull_light)) + ", sizeof(lightcull_light)");
 }
 
-Light to_cpp(const lightcull_light& from) noexcept {
+Light to_cpp(const lightcull_light* from) noexcept {
     Light light;
-    light.center = to_float3(from.center);
-    light.radius = from.radius;
-    light.axis = to_float3(from.axis);
-    light.cos_theta_o = from.cos_theta_o;
-    light.cos_theta_e = from.cos_theta_e;
-    light.intensity = from.intensity;
-    light.two_sided = from.two_sided != 0;
-    light.lobe_alpha = from.lobe_alpha;
+    light.center = to_float3(from->center);
+    light.radius = from->radius;
+    light.axis = to_float3(from->axis);
+    light.cos_theta_o = from->cos_theta_o;
+    light.cos_theta_e = from->cos_theta_e;
+    light.intensity = from->intensity;
+    light.two_sided = from->two_sided != 0;
+    light.lobe_alpha = from->lobe_alpha;
+    light.directional = has_directional(from) && from->directional != 0;
     return light;
 }
 
-void to_c(const Light& from, lightcull_light& light) noexcept {
-    to_array(from.center, light.center);
-    light.radius = from.radius;
-    to_array(from.axis, light.axis);
-    light.cos_theta_o = from.cos_theta_o;
-    light.cos_theta_e = from.cos_theta_e;
-    light.intensity = from.intensity;
-    light.two_sided = from.two_sided ? 1 : 0;
-    light.lobe_alpha = from.lobe_alpha;
+void to_c(const Light& from, lightcull_light* light) noexcept {
+    to_array(from.center, light->center);
+    light->radius = from.radius;
+    to_array(from.axis, light->axis);
+    light->cos_theta_o = from.cos_theta_o;
+    light->cos_theta_e = from.cos_theta_e;
+    light->intensity = from.intensity;
+    light->two_sided = from.two_sided ? 1 : 0;
+    light->lobe_alpha = from.lobe_alpha;
+    if (has_directional(light)) light->directional = from.directional ? 1 : 0;
 }
 
 /// A vector that a host gives, with its name.
@@ -64,8 +75,13 @@ lightcull_error set_light(lightcull_light* light, std::initializer_list<Given> v
     return guarded([&] {
         for (const Given& given : vectors) check_not_null(given.vector, given.name);
         check_not_null(light, "light");
-        check_size(*light, "light");
-        to_c(make(), *light);
+        check_size(light, "light");
+        const Light made = make();
+        if (made.directional && !has_directional(light)) {
+            throw Error("light: size is " + std::to_string(light->size) +
+                        ", that of a struct without the field directional");
+        }
+        to_c(made, light);
     });
 }
 
@@ -75,11 +91,16 @@ std::vector<Light> to_cpp(const lightcull_light* lights, std::size_t count) {
     if (count > 0) check_not_null(lights, "lights");
     std::vector<Light> all;
     all.reserve(count);
+    if (count > 0) check_size(lights, "light 0");
+    const auto* next = reinterpret_cast<const char*>(lights);
     for (std::size_t i = 0; i < count; ++i) {
-        if (lights[i].size != sizeof(lightcull_light)) {
-            check_size(lights[i], "light " + std::to_string(i));
+        const auto* const light = reinterpret_cast<const lightcull_light*>(next);
+        if (light->size != lights->size) {
+            throw Error("light " + std::to_string(i) + ": size is " + std::to_string(light->size) +
+                        ", and that of light 0 is " + std::to_string(lights->size));
         }
-        all.push_back(to_cpp(lights[i]));
+        all.push_back(to_cpp(light));
+        next += lights->size;
     }
     return all;
 }
@@ -140,6 +161,12 @@ lightcull_error lightcull_glossy_point_light(const float position[3], const floa
     return set_light(light, {{position, "position"}, {direction, "direction"}}, [&] {
         return glossy_point_light(to_float3(position), to_float3(direction), intensity, alpha);
     });
+}
+
+lightcull_error lightcull_directional_light(const float direction[3], float irradiance,
+                                            lightcull_light* light) {
+    return set_light(light, {{direction, "direction"}},
+                     [&] { return directional_light(to_float3(direction), irradiance); });
 }
 
 lightcull_error lightcull_bounded_light(const float box_min[3], const float box_max[3],

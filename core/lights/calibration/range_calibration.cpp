@@ -75,7 +75,7 @@ std::vector<Receiver> points_or_drawn(const RangedScene& scene, Span<const Shadi
         low = min(low, p);
         high = max(high, p);
     }
-    if (low.x > high.x) low = high = scene.lights[0].center;
+    if (low.x > high.x) low = high = {0, 0, 0};  // All are far.
     RandomStream random(hash(2, 3));
     const float3 center = (low + high) * 0.5f;
     const float3 extent = not_flat(high - low);

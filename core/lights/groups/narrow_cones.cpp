@@ -7,6 +7,7 @@ namespace lightcull {
 double share_of_narrow_cones(Span<const Light> lights, float angle) noexcept {
     double narrow = 0.0, all = 0.0;
     for (const Light& light : lights) {
+        if (light.directional) continue;
         const auto intensity = static_cast<double>(light.intensity);
         all += intensity;
         const bool may_be_narrow = light.cos_theta_o > 0.0f && light.lobe_alpha == 0.0f;

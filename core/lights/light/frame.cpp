@@ -11,19 +11,20 @@ namespace {
 
 constexpr float kLargest = std::numeric_limits<float>::max();
 
-bool is_lit(const Light& light) noexcept {
-    return light.intensity > 0.0f;
+/// Whether a light counts for where the frame lies.
+bool is_placed(const Light& light) noexcept {
+    return light.intensity > 0.0f && !light.directional;
 }
 
 float largest(float3 a) noexcept {
     return std::max({std::abs(a.x), std::abs(a.y), std::abs(a.z)});
 }
 
-/// The lit light nearest to the caller's origin; null if none is lit.
+/// The placed light nearest to the caller's origin; null if there is none.
 const Light* nearest_to_origin(Span<const Light> lights) noexcept {
     const Light* nearest = nullptr;
     for (const Light& light : lights) {
-        if (!is_lit(light)) continue;
+        if (!is_placed(light)) continue;
         if (nearest == nullptr || largest(light.center) < largest(nearest->center)) {
             nearest = &light;
         }
@@ -46,7 +47,7 @@ float far_begins(Span<const Light> lights, float3 from, int gap) noexcept {
     constexpr int kLeastNear = -4;
     std::array<bool, kMost - kLeast + 1> is_there{};
     for (const Light& light : lights) {
-        const float distance = is_lit(light) ? half_distance(light, from) : 0.0f;
+        const float distance = is_placed(light) ? half_distance(light, from) : 0.0f;
         if (distance > 0.0f) {
             is_there[static_cast<std::size_t>(std::ilogb(distance) - kLeast)] = true;
         }
@@ -68,12 +69,12 @@ struct Bounds {
     float extent() const noexcept { return largest(high * 0.5f - low * 0.5f); }
 };
 
-/// The bounds of the lit lights that are not 2^gap times as far from a place as all nearer ones.
+/// The bounds of the placed lights that are not 2^gap times as far from a place as all nearer ones.
 Bounds bounds_of_near(Span<const Light> lights, float3 from, int gap) noexcept {
     const float far = far_begins(lights, from, gap);
     Bounds bounds{from, from};
     for (const Light& light : lights) {
-        if (!is_lit(light) || !(half_distance(light, from) < far)) continue;
+        if (!is_placed(light) || !(half_distance(light, from) < far)) continue;
         const float3 r{light.radius, light.radius, light.radius};
         constexpr float3 kAll{kLargest, kLargest, kLargest};
         bounds.low = min(bounds.low, max(light.center - r, kAll * -1.0f));
@@ -83,9 +84,17 @@ Bounds bounds_of_near(Span<const Light> lights, float3 from, int gap) noexcept {
     return bounds;
 }
 
-}  // namespace
+/// The greatest irradiance of a directional light, W/m^2.
+float greatest_irradiance(Span<const Light> lights) noexcept {
+    float greatest = 0.0f;
+    for (const Light& light : lights) {
+        if (light.directional) greatest = std::max(greatest, light.intensity);
+    }
+    return greatest;
+}
 
-Frame make_frame(Span<const Light> lights) noexcept {
+/// The frame of the lights that are not directional.
+Frame frame_of_placed(Span<const Light> lights) noexcept {
     // Floats are fine enough about an origin in the midst of lights within 2^8 of one another's
     // distances, and their squares hold what is within 2^20.
     constexpr int kOfOrigin = 8, kOfUnit = 20;
@@ -98,6 +107,27 @@ Frame make_frame(Span<const Light> lights) noexcept {
     const float unit = extent > 0.0f ? std::max(extent, kLeastUnit) : 1.0f;
     return {bounds_of_near(lights, first->center, kOfOrigin).center(), 1.0f / unit,
             bounds.brightest};
+}
+
+}  // namespace
+
+double Frame::sun_intensity(float irradiance) const noexcept {
+    const double distance =
+        static_cast<double>(kSunDistance) / static_cast<double>(inv_scale);  // metres
+    return static_cast<double>(irradiance) * distance * distance / static_cast<double>(intensity);
+}
+
+Frame make_frame(Span<const Light> lights) noexcept {
+    Frame frame = frame_of_placed(lights);
+    // Beside a sun that gives more than this times what the brightest of the others gives at one
+    // unit, intensities are relative to it: those in a table, and their sums, are floats.
+    constexpr double kGreatest = 0x1p19 * double{Frame::kSunDistance} * double{Frame::kSunDistance};
+    const double excess = frame.sun_intensity(greatest_irradiance(lights)) / kGreatest;
+    if (excess > 1.0) {
+        const double intensity = static_cast<double>(frame.intensity) * excess;
+        frame.intensity = static_cast<float>(std::min(intensity, double{kLargest}));
+    }
+    return frame;
 }
 
 float reach_in(const Frame& frame, float reach, const Frame& of_reach) noexcept {

@@ -160,6 +160,13 @@ Light glossy_point_light(float3 position, float3 direction, float intensity, flo
     return light;
 }
 
+Light directional_light(float3 direction, float irradiance) noexcept {
+    Light light = point_light({0, 0, 0}, irradiance);
+    light.axis = unit(direction);
+    light.directional = true;
+    return light;
+}
+
 Light bounded_light(float3 box_min, float3 box_max, float3 axis, float cos_theta_o,
                     float cos_theta_e, bool two_sided, float power) noexcept {
     Light light;

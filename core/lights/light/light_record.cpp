@@ -30,6 +30,13 @@ void check_glossy(std::size_t i, const Light& light) {
     if (light.two_sided) fail(i, "two_sided", "is set, and it is a glossy point");
 }
 
+void check_directional(std::size_t i, const Light& light) {
+    check_range(i, "radius of a directional light", light.radius, 0.0f, 0.0f);
+    check_range(i, "cos_theta_o of a directional light", light.cos_theta_o, -1.0f, -1.0f);
+    check_range(i, "lobe_alpha of a directional light", light.lobe_alpha, 0.0f, 0.0f);
+    if (light.two_sided) fail(i, "two_sided", "is set, and it is a directional light");
+}
+
 void check(std::size_t i, const Light& light) {
     constexpr float kMaxIntensity = 3e38f;
     constexpr float kAxisTolerance = 1e-3f;
@@ -42,8 +49,13 @@ void check(std::size_t i, const Light& light) {
     }
     check_range(i, "cos_theta_o", light.cos_theta_o, -1.0f, 1.0f);
     check_range(i, "cos_theta_e", light.cos_theta_e, 0.0f, 1.0f);
-    if (light.lobe_alpha != 0.0f) check_glossy(i, light);
-    const bool needs_axis = light.cos_theta_o > -1.0f || light.lobe_alpha != 0.0f;
+    if (light.directional) {
+        check_directional(i, light);
+    } else if (light.lobe_alpha != 0.0f) {
+        check_glossy(i, light);
+    }
+    const bool needs_axis =
+        light.cos_theta_o > -1.0f || light.lobe_alpha != 0.0f || light.directional;
     if (needs_axis && !(std::abs(length(light.axis) - 1.0f) < kAxisTolerance)) {
         fail(i, "axis", "has length " + std::to_string(length(light.axis)) + ", wanted 1");
     }
@@ -81,11 +93,18 @@ std::int16_t sin_theta_e(const Light& light) noexcept {
 
 LightRecord to_record(const Light& light, const Frame& frame) noexcept {
     LightRecord record{};
-    record.center = frame.position(light.center);
     record.radius = light.radius * frame.inv_scale;
     // A far sun may be brighter than all lamps by more than floats hold.
     constexpr float kMost = 1e30f;
-    record.intensity = std::min(light.intensity / frame.intensity, kMost);
+    if (light.directional) {
+        // A sun is a point that is far away, to all that weighs lights.
+        record.center = light.axis * (-Frame::kSunDistance / length(light.axis));
+        record.intensity =
+            static_cast<float>(std::min(frame.sun_intensity(light.intensity), double{kMost}));
+    } else {
+        record.center = frame.position(light.center);
+        record.intensity = std::min(light.intensity / frame.intensity, kMost);
+    }
     record.two_sided = light.two_sided ? 1 : 0;
     if (light.cos_theta_o > -1.0f || light.lobe_alpha > 0.0f) {
         const float3 axis = light.axis * (1.0f / length(light.axis));

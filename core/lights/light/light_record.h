@@ -40,6 +40,25 @@ static_assert(offsetof(LightRecord, radius) == 12 && offsetof(LightRecord, inten
 static_assert(offsetof(LightRecord, axis) == 20 && offsetof(LightRecord, half_sine_o) == 26);
 static_assert(offsetof(LightRecord, sin_theta_e) == 28 && offsetof(LightRecord, two_sided) == 30);
 
+/// The mean squared distance of a light, or of several, from the midst of the frame, in its units,
+/// where they are far (Frame); 1 where they are not.
+inline float far_distance2(float3 center, float variance) noexcept {
+    constexpr float kFar = 0x1p16f;
+    const float distance2 = dot(center, center) + variance;
+    return distance2 > kFar * kFar ? distance2 : 1.0f;
+}
+inline float far_distance2(const LightRecord& light) noexcept {
+    return far_distance2(light.center, 0.0f);
+}
+inline bool is_far(const LightRecord& light) noexcept {
+    return far_distance2(light) > 1.0f;
+}
+/// The intensity of a light; of a far one, that of a light at one unit which would give as much.
+/// The power of a sun is not known.
+inline float intensity_nearby(const LightRecord& light) noexcept {
+    return light.intensity / far_distance2(light);
+}
+
 /// A checked copy of a caller's lights; index i is the caller's index.
 struct LightTable {
     Frame frame;

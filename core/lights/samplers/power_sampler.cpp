@@ -14,7 +14,7 @@ AliasTable make_intensity_table(const LightTable& table) {
     std::vector<double> weights;
     weights.reserve(table.records.size());
     for (const LightRecord& light : table.records) {
-        weights.push_back(static_cast<double>(light.intensity));
+        weights.push_back(static_cast<double>(intensity_nearby(light)));
     }
     return AliasTable(weights);
 }

@@ -24,11 +24,13 @@ inline constexpr float kSphereRoundUp = 1.0f + 1e-6f;
 /// around them. `bounds` is rounded up; the radius grows by `radius_margin`, 1 where it need not
 /// hold all to the last digit.
 inline EnclosingSphere enclose(Span<const EnclosingSphere> spheres, float radius_margin) noexcept {
-    float3 low{1e30f, 1e30f, 1e30f}, high{-1e30f, -1e30f, -1e30f};
+    constexpr float3 kAll{1e30f, 1e30f, 1e30f};
+    float3 low = kAll, high = kAll * -1.0f;
     for (const EnclosingSphere& sphere : spheres) {
         const float3 r{sphere.radius, sphere.radius, sphere.radius};
-        low = min(low, sphere.center - r);
-        high = max(high, sphere.center + r);
+        // The range of a sun may be infinite.
+        low = min(low, max(sphere.center - r, kAll * -1.0f));
+        high = max(high, min(sphere.center + r, kAll));
     }
     EnclosingSphere result{low * 0.5f + high * 0.5f, 0.0f, 0.0f};
     for (const EnclosingSphere& sphere : spheres) {

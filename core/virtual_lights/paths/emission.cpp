@@ -44,7 +44,12 @@ LightRay triangle_ray(const SceneData& scene, const TriangleEmitter& triangle,
     return {{place, direction}, emitted(scene, triangle, b.x, b.y, normal) * (kPi * area * sides)};
 }
 
-double power(const Emitter& emitter, const Light& light) noexcept {
+/// The power of an emitter, W; radius: that of a sphere around the scene, which a sun lights.
+double power(const Emitter& emitter, const Light& light, float radius) noexcept {
+    if (light.directional) {
+        const auto r = static_cast<double>(radius);
+        return static_cast<double>(kPi) * r * r * static_cast<double>(light.intensity);
+    }
     const double of_unit = static_cast<double>(kPi) * static_cast<double>(light.intensity);
     if (std::get_if<PointEmitter>(&emitter) != nullptr) return 4.0 * of_unit;
     if (const auto* spot = std::get_if<SpotEmitter>(&emitter)) {
@@ -79,7 +84,7 @@ EmissionTable::EmissionTable(const SceneData& scene) : scene_(scene) {
     std::vector<double> powers;
     double sum = 0.0;
     for (std::size_t i = 0; i < scene.emitters.size(); ++i) {
-        powers.push_back(power(scene.emitters[i], scene.lights[i]));
+        powers.push_back(power(scene.emitters[i], scene.lights[i], radius_));
     }
     powers.push_back(scene.environment ? irradiance(*scene.environment) *
                                              static_cast<double>(kPi * radius_ * radius_)
@@ -97,6 +102,8 @@ LightRay EmissionTable::sample(const PathRandom& random) const noexcept {
         result = spot_ray(*spot, random.two(Dimension::kLightVertex));
     } else if (const auto* point = std::get_if<PointEmitter>(&scene_.emitters[chosen])) {
         result = point_ray(*point, random.two(Dimension::kLightVertex));
+    } else if (const auto* sun = std::get_if<DirectionalEmitter>(&scene_.emitters[chosen])) {
+        result = directional_ray(*sun, random.two(Dimension::kLightVertex));
     } else {
         result =
             triangle_ray(scene_, *std::get_if<TriangleEmitter>(&scene_.emitters[chosen]), random);
@@ -109,11 +116,20 @@ LightRay EmissionTable::environment_ray(const PathRandom& random, const V2f& u) 
     const EnvironmentSample s = scene_.environment->sample(random.fine(Dimension::kEnvironment),
                                                            random.two(Dimension::kInCell));
     if (!(s.pdf > 0.0f)) return {{center_, V3f(0.0f, 0.0f, 1.0f)}, V3f(0.0f)};
-    const Basis basis(-s.direction);
+    return {parallel_ray(-s.direction, u), s.radiance * (kPi * radius_ * radius_ / s.pdf)};
+}
+
+LightRay EmissionTable::directional_ray(const DirectionalEmitter& sun,
+                                        const V2f& u) const noexcept {
+    return {parallel_ray(sun.direction, u), sun.irradiance * (kPi * radius_ * radius_)};
+}
+
+Ray EmissionTable::parallel_ray(const V3f& direction, const V2f& u) const noexcept {
+    const Basis basis(direction);
     const V2f disk = uniform_disk(u) * radius_;
     const V3f origin =
-        center_ + s.direction * radius_ + basis.tangent * disk.x + basis.bitangent * disk.y;
-    return {{origin, -s.direction}, s.radiance * (kPi * radius_ * radius_ / s.pdf)};
+        center_ - direction * radius_ + basis.tangent * disk.x + basis.bitangent * disk.y;
+    return {origin, direction};
 }
 
 LightRay spot_ray(const SpotEmitter& spot, const V2f& u) noexcept {

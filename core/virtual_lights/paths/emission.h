@@ -28,8 +28,12 @@ class EmissionTable {
     /// through a disk that hides the sphere around the scene, and equal areas of the unit square go
     /// to equal areas of the disk.
     LightRay environment_ray(const PathRandom& random, const V2f& u) const noexcept;
+    /// A ray of a directional light, likewise.
+    LightRay directional_ray(const DirectionalEmitter& sun, const V2f& u) const noexcept;
 
   private:
+    Ray parallel_ray(const V3f& direction, const V2f& u) const noexcept;
+
     const SceneData& scene_;
     V3f center_{0.0f};  // centre of a sphere around all geometry
     float radius_ = 0.0f;

@@ -98,9 +98,10 @@ std::vector<LightRay> emit(const EmissionTable& emission, std::uint32_t count, s
 void check_shadow_map_sources(const SceneData& scene) {
     for (const Emitter& emitter : scene.emitters) {
         if (std::holds_alternative<SpotEmitter>(emitter)) continue;
+        if (std::holds_alternative<DirectionalEmitter>(emitter)) continue;
         throw Error(
-            "reflective shadow map: only spots and the environment can have one, and something "
-            "else emits");
+            "reflective shadow map: only spots, directional lights and the environment can have "
+            "one, and something else emits");
     }
 }
 
@@ -118,6 +119,11 @@ std::vector<LightRay> shadow_map_rays(const SceneData& scene, const EmissionTabl
         }
     };
     for (const Emitter& emitter : scene.emitters) {
+        if (const auto* sun = std::get_if<DirectionalEmitter>(&emitter)) {
+            add_texels(
+                [&](const PathRandom&, const V2f& u) { return emission.directional_ray(*sun, u); });
+            continue;
+        }
         const auto& spot = std::get<SpotEmitter>(emitter);
         add_texels([&](const PathRandom&, const V2f& u) { return spot_ray(spot, u); });
     }

@@ -28,11 +28,11 @@ inline auto members(const ::lightcull::float3& v) {
 }
 
 inline auto members(const ::lightcull::Light& light) {
-    const auto& [center, radius, axis, cos_theta_o, cos_theta_e, intensity, two_sided, lobe_alpha] =
-        light;
-    return std::tuple_cat(
-        members(center), members(axis),
-        std::tuple(radius, cos_theta_o, cos_theta_e, intensity, two_sided, lobe_alpha));
+    const auto& [center, radius, axis, cos_theta_o, cos_theta_e, intensity, two_sided, lobe_alpha,
+                 directional] = light;
+    return std::tuple_cat(members(center), members(axis),
+                          std::tuple(radius, cos_theta_o, cos_theta_e, intensity, two_sided,
+                                     lobe_alpha, directional));
 }
 
 inline auto members(const ::lightcull::GlossyLobe& lobe) {

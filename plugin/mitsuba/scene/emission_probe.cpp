@@ -161,6 +161,17 @@ PointEmission EmissionProbe<Float, Spectrum>::point() const {
 }
 
 template <typename Float, typename Spectrum>
+DirectionalEmission EmissionProbe<Float, Spectrum>::directional(const ScalarPoint3f& point) const {
+    const auto way = evaluate<3, Float>(1, [&](const auto&) {
+        auto from = dr::zeros<Interaction3f>();
+        from.p = Point3f(point);
+        const Vector3f d = emitter_->sample_direction(from, Point2f(0.5f), true).first.d;
+        return std::array<Float, 3>{d.x(), d.y(), d.z()};
+    });
+    return {{-way[0][0], -way[1][0], -way[2][0]}, mean_of_samples(point)};
+}
+
+template <typename Float, typename Spectrum>
 float EmissionProbe<Float, Spectrum>::mean_of_samples(const ScalarPoint3f& point) const {
     const auto seen = evaluate<1, Float>(kSamples, [&](const auto& lane) {
         const Float index = to_float<Float>(lane);

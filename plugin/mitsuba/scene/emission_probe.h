@@ -23,6 +23,13 @@ struct PointEmission {
     float peak = 0.0f, inner = 0.0f, outer = 0.0f;
 };
 
+/// What a directional emitter gives: irradiance (luminance, W/m^2) to a surface that faces it, and
+/// the direction in which its light goes.
+struct DirectionalEmission {
+    ::lightcull::float3 direction;
+    float irradiance = 0.0f;
+};
+
 /// The probe asks Mitsuba what an emitter emits. All estimates are by few samples, and only
 /// selection rests on them.
 template <typename Float, typename Spectrum>
@@ -41,6 +48,9 @@ class EmissionProbe {
     /// The emission of an emitter that is a point. Its peak is 0 if the probe found no light, and
     /// NaN if what it found is no number.
     PointEmission point() const;
+
+    /// The emission of a directional emitter, as a point sees it.
+    DirectionalEmission directional(const ScalarPoint3f& point) const;
 
     /// Whether samples that a point takes of an emitter without a place are numbers, and tell of
     /// the light that there is.

@@ -90,6 +90,9 @@ void SceneLights<Float, Spectrum>::add(const Emitter* emitter) {
         mesh && !is_rectangle ? add_mesh(emitter, mesh) : add_shape(emitter);
     } else if (has_flag(flags, EmitterFlags::DeltaPosition) && emitter->bbox().valid()) {
         add_point(emitter);
+    } else if (has_flag(flags, EmitterFlags::Infinite) &&
+               has_flag(flags, EmitterFlags::DeltaDirection)) {
+        add_directional(emitter);
     } else {
         add_unplaced(emitter);
     }
@@ -178,6 +181,15 @@ void SceneLights<Float, Spectrum>::add_point(const Emitter* emitter) {
                                             emission.inner, emission.outer)
                   : ::lightcull::point_light(emission.position, emission.peak),
               {});
+    close_source(emitter, nullptr, first);
+}
+
+template <typename Float, typename Spectrum>
+void SceneLights<Float, Spectrum>::add_directional(const Emitter* emitter) {
+    const DirectionalEmission emission =
+        EmissionProbe<Float, Spectrum>(emitter).directional(middle_);
+    const std::size_t first = lights_.size();
+    add_light(emitter, ::lightcull::directional_light(emission.direction, emission.irradiance), {});
     close_source(emitter, nullptr, first);
 }
 

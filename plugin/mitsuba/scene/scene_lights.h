@@ -13,10 +13,11 @@ namespace mitsuba::culling {
 /// The lights of a Mitsuba scene as lightcull's samplers know them, and the way back from a light
 /// to the emitter that it is, or is part of.
 ///
-/// A triangle of an emitting mesh is a light; a shape of any other kind, a point and a spot are one
-/// light each. Emitters without bounds or a place (environments, directional ones), and points that
-/// the probe did not see emit, are no lights: they are `unplaced`, and chosen by their sampling
-/// weight alone. An emitter of sampling weight 0 is neither: as in Mitsuba, it is only ever hit.
+/// A triangle of an emitting mesh is a light; a shape of any other kind, a point, a spot and a
+/// directional emitter are one light each. Emitters without bounds or a place (environments), and
+/// points that the probe did not see emit, are no lights: they are `unplaced`, and chosen by their
+/// sampling weight alone. An emitter of sampling weight 0 is neither: as in Mitsuba, it is only
+/// ever hit.
 template <typename Float, typename Spectrum>
 class SceneLights {
   public:
@@ -66,6 +67,7 @@ class SceneLights {
     void add_mesh(const Emitter* emitter, const Mesh* mesh);
     void add_shape(const Emitter* emitter);
     void add_point(const Emitter* emitter);
+    void add_directional(const Emitter* emitter);
     void add_unplaced(const Emitter* emitter);
     void add_light(const Emitter* emitter, const ::lightcull::Light& light,
                    const Triangle& triangle);

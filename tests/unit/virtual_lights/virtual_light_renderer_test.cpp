@@ -393,8 +393,8 @@ TEST_CASE("virtual lights: bad input is refused, nothing to do is done") {
     }
     CHECK_THROWS_WITH_AS(
         renderer(scene, "vpl_culled:source=shadow_map:lights=400", square_image(8, 3)),
-        "reflective shadow map: only spots and the environment can have one, and "
-        "something else emits",
+        "reflective shadow map: only spots, directional lights and the environment can have one, "
+        "and something else emits",
         Error);
     const auto refused = [&](void (*spoil)(VirtualLightOptions&), const char* why) {
         VirtualLightOptions options;

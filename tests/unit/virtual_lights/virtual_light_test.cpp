@@ -284,6 +284,23 @@ TEST_CASE(
     CHECK(static_cast<double>(lights.size()) == doctest::Approx(expected).scale(0.0).epsilon(0.05));
 }
 
+TEST_CASE("virtual lights: paths and a reflective shadow map hold what a directional light gives") {
+    auto scene = std::make_shared<Scene>();
+    scene->add_material(diffuse(0.5f));
+    Shape floor;
+    floor.add_level_square({3, 0, 0}, 1.0f, true);
+    scene->add_mesh(floor.mesh("floor", 0));
+    scene->add_directional_light({0.5f, -1.0f, 0.2f}, {4, 4, 4});
+    const double exact = 4.0 * 4.0 / std::sqrt(1.29);  // irradiance, by area, by the cosine
+    CHECK(flux(lights_of(*scene, 20 * kPaths, 1), 0.5) ==
+          doctest::Approx(exact).scale(0.0).epsilon(0.02));
+    check_shadow_map_sources(data_of(*scene));
+    const auto rays = shadow_map_rays(data_of(*scene), EmissionTable(data_of(*scene)), 128, 1);
+    CHECK(rays.size() == 128 * 128);
+    CHECK(flux(virtual_lights(data_of(*scene), rays, 1, 1), 0.5) ==
+          doctest::Approx(exact).scale(0.0).epsilon(0.01));
+}
+
 TEST_CASE("virtual lights: no light, or none that shines, gives none") {
     auto dark = box(0.5f);
     CHECK(lights_of(*dark, kPaths, 3).empty());

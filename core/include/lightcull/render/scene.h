@@ -101,6 +101,9 @@ class LIGHTCULL_EXPORT Scene {
     /// KHR_lights_punctual.
     void add_spot_light(float3 position, float3 direction, float3 intensity, float inner,
                         float outer);
+    /// Adds a sun: parallel light from infinity that goes into `direction`, and gives `irradiance`
+    /// (W/m^2, RGB) to a surface that faces it.
+    void add_directional_light(float3 direction, float3 irradiance);
     void set_environment(Environment environment);
     void set_camera(const Camera& camera);
 
@@ -108,8 +111,8 @@ class LIGHTCULL_EXPORT Scene {
     void commit();
 
     /// The lights that samplers choose from, in the order in which they were added: every triangle
-    /// whose radiance * face_radiance is not black, point and spot; the environment is not among
-    /// them.
+    /// whose radiance * face_radiance is not black, point, spot and directional light; the
+    /// environment is not among them.
     Span<const Light> lights() const noexcept;
     std::size_t triangle_count() const noexcept;
     bool has_environment() const noexcept;

@@ -15,8 +15,8 @@ namespace lightcull {
 class LIGHTCULL_EXPORT ShadowRays {
   public:
     /// Makes a ray for each point whose selection has a prob above 0, to the middle of the light's
-    /// bounds. The scene must be committed and stay alive; selections are of its lights, one per
-    /// point. Throws Error.
+    /// bounds, or to a directional light. The scene must be committed and stay alive; selections
+    /// are of its lights, one per point. Throws Error.
     ShadowRays(const Scene& scene, Span<const ShadingPoint> points,
                Span<const Selection> selections);
     ~ShadowRays();

@@ -27,9 +27,8 @@ enum class VirtualLightMethod {
 /// The places where light paths start.
 enum class VirtualLightSource {
     kPaths,      ///< at any emitter, in proportion to power
-    kShadowMap,  ///< at the texels of a reflective shadow map of each spot, and of one of the
-                 ///< environment, seen from the directions that it shines from: a map like that of
-                 ///< a directional light where that is a sun
+    kShadowMap,  ///< at the texels of a reflective shadow map of each spot and directional light,
+                 ///< and of one of the environment, seen from the directions that it shines from
 };
 
 enum class VirtualShadows {

@@ -5,6 +5,9 @@
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
 #include <fstream>
 #include <string>
 #include <thread>
@@ -35,6 +38,7 @@ lightcull_light in_c(const Light& from) {
     light.intensity = from.intensity;
     light.two_sided = from.two_sided ? 1 : 0;
     light.lobe_alpha = from.lobe_alpha;
+    light.directional = from.directional ? 1 : 0;
     return light;
 }
 
@@ -108,12 +112,13 @@ void check_equal(const lightcull_light& c, const Light& cpp) {
     CHECK(c.intensity == expected.intensity);
     CHECK(c.two_sided == expected.two_sided);
     CHECK(c.lobe_alpha == expected.lobe_alpha);
+    CHECK(c.directional == expected.directional);
 }
 
 }  // namespace
 
 TEST_CASE("C and C++ select the same lights with the same probabilities, to the bit") {
-    const std::vector<Light> lights = mixed_lights(700, 70, 6.0f);
+    const std::vector<Light> lights = with_suns(mixed_lights(700, 70, 6.0f), 100);
     const std::vector<lightcull_light> c_lights = in_c(lights);
     const std::vector<ShadingPoint> calibration = mixed_points(50, 73, 1);
     const std::vector<lightcull_shading_point> c_calibration = in_c(calibration);
@@ -172,6 +177,45 @@ TEST_CASE("lights made in C are those of C++") {
     check_equal(light, diffuse_point_light(p, d, 2.0f));
     CHECK(lightcull_glossy_point_light(a, axis, 2.0f, 0.25f, &light) == LIGHTCULL_OK);
     check_equal(light, glossy_point_light(p, d, 2.0f, 0.25f));
+    CHECK(lightcull_directional_light(b, 2.0f, &light) == LIGHTCULL_OK);
+    check_equal(light, directional_light(q, 2.0f));
+    CHECK(lightcull_point_light(a, 2.0f, &light) == LIGHTCULL_OK);
+    CHECK(light.directional == 0);
+}
+
+TEST_CASE("C: lights of hosts from before directional ones are taken") {
+    constexpr std::uint32_t kFirstSize = offsetof(lightcull_light, directional);
+    const std::vector<Light> lights = mixed_lights(20, 3);
+    std::vector<std::uint8_t> bytes(lights.size() * kFirstSize);
+    for (std::size_t i = 0; i < lights.size(); ++i) {
+        lightcull_light light = in_c(lights[i]);
+        light.size = kFirstSize;
+        std::memcpy(bytes.data() + i * kFirstSize, &light, kFirstSize);
+    }
+    lightcull_sampler* sampler = nullptr;
+    const auto* const first = reinterpret_cast<const lightcull_light*>(bytes.data());
+    REQUIRE(lightcull_sampler_create("exhaustive", first, lights.size(), nullptr, &sampler) ==
+            LIGHTCULL_OK);
+    Both{lightcull_sampler_current_pass(sampler), *make_sampler("exhaustive", lights)}
+        .require_equal_selections(20);
+    lightcull_sampler_destroy(sampler);
+
+    // They are set, but for what they have no room for.
+    lightcull_light light = LIGHTCULL_LIGHT_INIT;
+    light.size = kFirstSize;
+    light.directional = 7;
+    const float up[3] = {0, 1, 0};
+    CHECK(lightcull_point_light(up, 2.0f, &light) == LIGHTCULL_OK);
+    CHECK(light.directional == 7);
+    CHECK(lightcull_directional_light(up, 2.0f, &light) == LIGHTCULL_INVALID_ARGUMENT);
+    CHECK(std::string(lightcull_last_error()).find("without the field directional") !=
+          std::string::npos);
+    // All of an array are of one size.
+    lightcull_light mixed[2] = {LIGHTCULL_LIGHT_INIT, LIGHTCULL_LIGHT_INIT};
+    mixed[1].size = kFirstSize;
+    CHECK(lightcull_sampler_create("uniform", mixed, 2, nullptr, &sampler) ==
+          LIGHTCULL_INVALID_ARGUMENT);
+    CHECK(std::string(lightcull_last_error()).find("light 1: size is") == 0);
 }
 
 TEST_CASE("sets in C are those of C++") {

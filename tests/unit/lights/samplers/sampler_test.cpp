@@ -99,7 +99,7 @@ double worst_z(const std::string& description, const std::vector<Light>& lights,
 }
 
 std::vector<Light> few_lights() {
-    std::vector<Light> lights = mixed_lights(30, 31, 1.5f);
+    std::vector<Light> lights = with_suns(mixed_lights(30, 31, 1.5f), 12);
     lights[4].intensity = 0.0f;
     return lights;
 }
@@ -191,7 +191,7 @@ TEST_CASE("weights of culled against another technique sum to one in the mean") 
 }
 
 TEST_CASE("prob() equals what select() says, to the bit") {
-    const std::vector<Light> lights = mixed_lights(500, 41, 6.0f);
+    const std::vector<Light> lights = with_suns(mixed_lights(500, 41, 6.0f), 40);
     for (const char* description :
          {"uniform", "power", "light_bvh", "light_bvh:importance=means", "exhaustive", "clamped",
           "culled", "culled:sets=1", "culled:accepted=0.3:group=1", "culled:accepted=0.3:group=9",
@@ -216,7 +216,7 @@ TEST_CASE("prob() equals what select() says, to the bit") {
 }
 
 TEST_CASE("a batch gives what single calls give, to the bit") {
-    const std::vector<Light> lights = mixed_lights(700, 51, 6.0f);
+    const std::vector<Light> lights = with_suns(mixed_lights(700, 51, 6.0f), 40);
     for (const char* description :
          {"uniform", "power", "light_bvh", "light_bvh:importance=means", "exhaustive", "clamped",
           "culled", "culled:accepted=0.3:group=1", "culled:accepted=0.3:group=9", "paper"}) {

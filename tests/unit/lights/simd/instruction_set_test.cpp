@@ -66,7 +66,7 @@ void require_equal(const std::vector<Selection>& a, const std::vector<Selection>
 
 TEST_CASE("every instruction set, batch size and number of threads gives the scalar path's bits") {
     const BestAgain best_again;
-    const std::vector<Light> lights = mixed_lights(3000, 33, 8.0f);
+    const std::vector<Light> lights = with_suns(mixed_lights(3000, 33, 8.0f), 100);
     CHECK(instruction_sets().back() == "scalar");
     for (const char* description :
          {"culled:sets=1", "culled:sets=16:accepted=4:group=1", "culled:sets=64:group=8",
@@ -102,7 +102,7 @@ TEST_CASE("every instruction set, batch size and number of threads gives the sca
 
 TEST_CASE("every instruction set refits to the same radii, and walks the same nodes") {
     const BestAgain best_again;
-    const LightTable table = make_light_table(mixed_lights(5000, 34, 8.0f));
+    const LightTable table = make_light_table(with_suns(mixed_lights(5000, 34, 8.0f), 100));
     for (const std::uint32_t sets : {1u, 4u, 16u, 64u}) {
         const std::vector<ShadingPoint> points = mixed_points(100, 35, sets);
         CullingTree scalar(table, RandomRanges(1e-2f, sets));

@@ -1,6 +1,7 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "base/random.h"
@@ -45,4 +46,15 @@ TEST_CASE("enclosing sphere: its centre is the middle of the box around spheres"
     CHECK(all.center.x == 3.0f);  // -1 to 7
     CHECK(all.center.y == 2.0f);  // -1 to 5
     CHECK(all.center.z == 0.0f);
+}
+
+TEST_CASE("enclosing sphere: it is somewhere, and holds all, where the range of a sun is infinite") {
+    constexpr float kInfinity = std::numeric_limits<float>::infinity();
+    const std::vector<EnclosingSphere> spheres{{{0x1p40f, 0, 0}, kInfinity, 0.0f},
+                                               {{4, 2, 0}, 3.0f, 0.5f}};
+    const EnclosingSphere all = enclose(spheres, kSphereRoundUp);
+    CHECK(std::isfinite(all.center.x));
+    CHECK(std::isfinite(all.center.y));
+    CHECK(all.radius == kInfinity);
+    CHECK(all.bounds >= 0x1p40f);
 }
