@@ -154,7 +154,7 @@ std::uint32_t Wavefront::set_of(std::size_t vertex) const noexcept {
         return set_of_packet(static_cast<std::uint32_t>(vertex / kPointsPerPacket), sets);
     }
     const std::uint32_t pixel = path_of(vertex).pixel, width = pass_->settings.width;
-    return set_of_pixel(pixel % width, pixel / width, sets);
+    return set_of_pixel(pixel % width, pixel / width, pass_->key, sets);
 }
 
 bool Wavefront::needs_selection() const noexcept {

@@ -35,7 +35,8 @@ Image render(const Scene& scene, const std::vector<Hit>& hits, lightcull::LightS
     for (std::uint32_t pass = 0; pass < kSamplesPerPixel; ++pass) {
         sampler.begin_pass(pass);
         for (const Hit& hit : hits) {
-            const std::uint32_t set = lightcull::set_of_pixel(hit.x, hit.y, sampler.set_count());
+            const std::uint32_t set =
+                lightcull::set_of_pixel(hit.x, hit.y, pass, sampler.set_count());
             const lightcull::Selection chosen =
                 sampler.select({hit.point, hit.normal, set}, uniform(random));
             if (chosen.prob == 0.0f) continue;  // no light was chosen: a sample of 0

@@ -197,9 +197,9 @@ void render_whole_passes(const Scene& scene, LightSampler& sampler, const Job& j
                 const std::uint32_t pixel = alive[i], sets = sampler.set_count();
                 const auto packet = static_cast<std::uint32_t>(i / lightcull::kPointsPerPacket);
                 const std::uint32_t set =
-                    bounce == 0
-                        ? lightcull::set_of_pixel(pixel % job.width, pixel / job.width, sets)
-                        : lightcull::set_of_packet(packet, sets);
+                    bounce == 0 ? lightcull::set_of_pixel(pixel % job.width, pixel / job.width,
+                                                          sample, sets)
+                                : lightcull::set_of_packet(packet, sets);
                 points[i] = shading_point(paths[pixel], set);
                 u[i] = paths[pixel].random.uniform();
             });

@@ -115,7 +115,9 @@ class BenchOptions:
 
 @dataclass(frozen=True)
 class SelftestOptions:
-    """A run of the hard cases."""
+    """A run of the hard cases, or of the battery of noise."""
+
+    noise: bool
 
     json: Path | None
     """The file that the results go to; None: none."""
@@ -270,7 +272,7 @@ def _bench(parsed: argparse.Namespace, command: str) -> BenchOptions:
 
 
 def _selftest(parsed: argparse.Namespace, command: str) -> SelftestOptions:
-    return SelftestOptions(_json_file(parsed))
+    return SelftestOptions(parsed.noise, _json_file(parsed))
 
 
 def _json_file(parsed: argparse.Namespace) -> Path | None:

@@ -102,6 +102,10 @@ def make_parser() -> argparse.ArgumentParser:
     _add_image(info)
     selftest = add("selftest", "check hard cases on this machine", texts.SELFTEST)
     selftest.add_argument("--json", metavar="FILE", help="file to write the results to")
+    selftest.add_argument(
+        "--noise", action="store_true",
+        help="instead: is the default sampler ever noisier than the best of the others?",
+    )  # fmt: skip
     _add_bench(add("bench", "measure what a selection costs", texts.BENCH))
     return parser
 

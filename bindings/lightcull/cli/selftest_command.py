@@ -15,11 +15,14 @@ from .. import selftest
 from .._core import Error
 from ..output_files import write_whole_file
 from ..selftest.case import Result, worst
+from . import noise_table
 from .options import SelftestOptions
 
 
 def run(options: SelftestOptions, messages: Console) -> bool:
     """Runs the hard cases, prints a table of them and writes the JSON. Throws Error if one fails."""
+    if options.noise:
+        return noise_table.run(options, messages)
     results: list[Result] = []
     with messages.status("") as status:
         for result in selftest.run(progress=status.update):

@@ -390,9 +390,11 @@ LIGHTCULL_C_API void lightcull_report(const lightcull_pass* pass, const lightcul
 /* ---- which set a point uses; sets.h says when to take which ------------------------------------
  */
 
-/// The set for camera points of pixel (x, y), in hosts that begin a pass for each sample.
-/// set_count: number of sets of the pass, a power of 4.
-LIGHTCULL_C_API uint32_t lightcull_set_of_pixel(uint32_t x, uint32_t y, uint32_t set_count);
+/// The set for camera points of pixel (x, y) in a pass, in hosts that begin a pass for each sample.
+/// pass: the number of the pass, or any other that differs from pass to pass. set_count: number of
+/// sets of the pass, a power of 4.
+LIGHTCULL_C_API uint32_t lightcull_set_of_pixel(uint32_t x, uint32_t y, uint64_t pass,
+                                                uint32_t set_count);
 
 /// Number of points that lie together and share a set at later bounces.
 #define LIGHTCULL_POINTS_PER_PACKET 16

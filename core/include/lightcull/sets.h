@@ -21,10 +21,12 @@ namespace lightcull {
 ///   samples, of 64 sets (with 16, a tile as a whole is too bright or dark by luck), and use
 ///   set_of_sample().
 
-/// The set for camera points of pixel (x, y): its place in a square pattern of `set_count` pixels,
-/// which neighbours never share. set_count is a power of 4. For hosts that begin a pass for each
-/// sample: within one pass it gives a pixel the same set again and again.
-LIGHTCULL_EXPORT std::uint32_t set_of_pixel(std::uint32_t x, std::uint32_t y,
+/// The set for camera points of pixel (x, y) in a pass. The pixels of a square of 4x4 take evenly
+/// spread rotations of one draw, neighbours far apart. Where squares lie, and with which rotation
+/// and draw each begins, is hashed from the pass, so that no two pixels share their luck for longer
+/// than a pass. set_count is a power of 4. For hosts that begin a pass for each sample: within one
+/// pass it gives a pixel the same set again and again.
+LIGHTCULL_EXPORT std::uint32_t set_of_pixel(std::uint32_t x, std::uint32_t y, std::uint64_t pass,
                                             std::uint32_t set_count) noexcept;
 
 /// The number of points that lie together and share a set at later bounces: sort all points of a

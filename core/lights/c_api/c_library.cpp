@@ -13,8 +13,8 @@ using namespace lightcull;
 
 static_assert(LIGHTCULL_POINTS_PER_PACKET == kPointsPerPacket);
 
-uint32_t lightcull_set_of_pixel(uint32_t x, uint32_t y, uint32_t set_count) {
-    return set_of_pixel(x, y, set_count);
+uint32_t lightcull_set_of_pixel(uint32_t x, uint32_t y, uint64_t pass, uint32_t set_count) {
+    return set_of_pixel(x, y, pass, set_count);
 }
 
 uint32_t lightcull_set_of_packet(uint32_t packet, uint32_t set_count) {

@@ -18,10 +18,26 @@ std::uint32_t reverse_bits(std::uint32_t number, std::uint32_t digits) noexcept 
     return reversed;
 }
 
+/// The logarithm to the base of 2 of the edge of the squares of pixels that are dithered, whose
+/// places hold evenly spread rotations of one draw.
+std::uint32_t log2_square(const SetPattern& pattern) noexcept {
+    return std::min(pattern.log2_edge(), 2u);
+}
+
 }  // namespace
 
-std::uint32_t set_of_pixel(std::uint32_t x, std::uint32_t y, std::uint32_t set_count) noexcept {
-    return SetPattern(set_count).set_at(x, y);
+std::uint32_t set_of_pixel(std::uint32_t x, std::uint32_t y, std::uint64_t pass,
+                           std::uint32_t set_count) noexcept {
+    const SetPattern pattern(set_count);
+    const std::uint32_t edge = log2_square(pattern);
+    const std::uint64_t key = mix(pass);
+    // The squares lie elsewhere in each pass: across their borders neighbours may share a set.
+    x += static_cast<std::uint32_t>(key) & 3u;
+    y += static_cast<std::uint32_t>(key >> 2) & 3u;
+    const std::uint64_t square = hash(key, (std::uint64_t{y >> edge} << 32) | (x >> edge));
+    const auto draw = static_cast<std::uint32_t>(square) & (pattern.draws() - 1);
+    const auto first_rank = static_cast<std::uint32_t>(square >> 32);
+    return pattern.set_of((first_rank + pattern.rank_at(x, y)) & (pattern.rotations() - 1), draw);
 }
 
 std::uint32_t set_of_packet(std::uint32_t packet, std::uint32_t set_count) noexcept {
@@ -37,9 +53,8 @@ std::uint32_t set_of_packet(std::uint32_t packet, std::uint32_t set_count) noexc
 std::uint32_t set_of_sample(std::uint32_t x, std::uint32_t y, std::uint32_t sample,
                             std::uint32_t bounce, std::uint32_t set_count) noexcept {
     const SetPattern pattern(set_count);
-    // The points that the camera sees are dithered within squares of 4x4 pixels, whose places hold
-    // evenly spread rotations. Later on there are no neighbours.
-    const std::uint32_t edge = bounce == 0 ? std::min(pattern.log2_edge(), 2u) : 0;
+    // Only the points that the camera sees are dithered: later on there are no neighbours.
+    const std::uint32_t edge = bounce == 0 ? log2_square(pattern) : 0;
     const std::uint64_t place =
         hash((std::uint64_t{y >> edge} << 32) | (x >> edge), std::uint64_t{bounce});
     const auto first_draw = static_cast<std::uint32_t>(place);

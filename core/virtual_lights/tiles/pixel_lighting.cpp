@@ -2,8 +2,6 @@
 
 #include "base/random.h"
 
-#include <lightcull/sets.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,9 +9,9 @@
 namespace lightcull {
 
 std::uint32_t PassLights::subset_of(std::uint32_t x, std::uint32_t y) const noexcept {
-    const std::uint32_t subsets = lights.subsets();
+    const std::uint32_t subsets = lights.subsets(), step = pass.options.interleave;
     const auto turn = static_cast<std::uint32_t>(hash(pass.key, 0x7375627365740) % subsets);
-    return (set_of_pixel(x, y, subsets) + turn) % subsets;
+    return ((y % step) * step + x % step + turn) % subsets;
 }
 
 void PixelLighting::add_all(std::size_t pixel, const PreparedLights::List& list) {

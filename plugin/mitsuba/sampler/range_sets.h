@@ -39,16 +39,10 @@ inline std::vector<std::uint32_t> growing_parts(std::uint32_t samples) {
     return parts;
 }
 
-/// The sets that a sample of pixel (x, y) uses; sample < 64.
+/// The sets that a sample of pixel (x, y) uses.
 inline PathSets sets_of_sample(std::uint32_t x, std::uint32_t y, std::uint32_t sample,
                                std::uint32_t range_sets) {
-    // Bits 0, 2 and 4, moved together.
-    const auto even_bits = [](std::uint32_t number) {
-        return (number & 1u) | ((number >> 1) & 2u) | ((number >> 2) & 4u);
-    };
-    // The sets of the pixel's neighbours: near ones first, which are the ones that differ most.
-    const std::uint32_t camera =
-        ::lightcull::set_of_pixel(x + even_bits(sample), y + even_bits(sample >> 1), range_sets);
+    const std::uint32_t camera = ::lightcull::set_of_sample(x, y, sample, 0, range_sets);
     return {camera, x + 5 * y + 3 * sample};
 }
 

@@ -77,7 +77,7 @@ class WavefrontPasses {
   private:
     /// This many lanes keep all threads busy, and fit into memory (some 500 bytes each).
     static constexpr std::uint32_t kMostLanes = 1u << 21;
-    static constexpr std::uint32_t kMostSamples = 64;  // sets_of_sample() takes no more
+    static constexpr std::uint32_t kMostSamples = 64;
     /// Where passes cannot grow, more would leave little to learn from.
     static constexpr std::uint32_t kMostSamplesLearning = 4;
     static constexpr std::uint32_t kFewestToCoalesce = 4;

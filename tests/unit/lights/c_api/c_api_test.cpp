@@ -221,7 +221,7 @@ TEST_CASE("C: lights of hosts from before directional ones are taken") {
 TEST_CASE("sets in C are those of C++") {
     for (std::uint32_t i = 0; i < 200; ++i) {
         const std::uint32_t x = i % 16, y = i / 16;
-        CHECK(lightcull_set_of_pixel(x, y, 64) == set_of_pixel(x, y, 64));
+        CHECK(lightcull_set_of_pixel(x, y, 7, 64) == set_of_pixel(x, y, 7, 64));
         CHECK(lightcull_set_of_packet(i, 256) == set_of_packet(i, 256));
         CHECK(lightcull_set_of_sample(x, y, i, 2, 1024) == set_of_sample(x, y, i, 2, 1024));
     }

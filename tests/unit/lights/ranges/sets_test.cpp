@@ -2,6 +2,8 @@
 #include <lightcull/sets.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <set>
 #include <utility>
 #include <vector>
@@ -16,9 +18,9 @@
 using namespace lightcull;
 using namespace lightcull::testing;
 
-TEST_CASE("every rotation occurs once in the pattern, and neighbours are far apart") {
+TEST_CASE("every rotation occurs once in the pattern") {
     for (std::uint32_t log4 = 0; log4 <= 6; ++log4) {
-        const std::uint32_t sets = 1u << (2 * log4), side = 1u << log4;
+        const std::uint32_t sets = 1u << (2 * log4);
         const SetPattern pattern(sets);
         CHECK(pattern.rotations() == std::min(sets, 256u));
         CHECK(pattern.rotations() * pattern.draws() == sets);
@@ -31,13 +33,96 @@ TEST_CASE("every rotation occurs once in the pattern, and neighbours are far apa
             CHECK(pattern.set_of(rank, draw) == set);
         }
         CHECK(places.size() == sets);
-        const auto turns = static_cast<int>(pattern.rotations());
-        for (std::uint32_t x = 0; log4 > 0 && x + 1 < side; ++x) {
-            const auto a = static_cast<int>(pattern.rank_of(set_of_pixel(x, 1, sets)));
-            const auto b = static_cast<int>(pattern.rank_of(set_of_pixel(x + 1, 1, sets)));
-            const int apart = std::abs(a - b);
-            CHECK(std::min(apart, turns - apart) * 4 >= turns);
+    }
+}
+
+namespace {
+
+/// Whether the pixels of the square at (x, y) take evenly spread rotations of one draw, neighbours
+/// at least a quarter of a turn apart.
+bool is_dithered(std::uint32_t x, std::uint32_t y, std::uint32_t edge, std::uint64_t pass,
+                 std::uint32_t sets) {
+    const SetPattern pattern(sets);
+    const std::uint32_t turns = pattern.rotations(), width = turns / (edge * edge);
+    const auto set_at = [&](std::uint32_t i) {
+        return set_of_pixel(x + i % edge, y + i / edge, pass, sets);
+    };
+    std::set<std::uint32_t> places, draws;
+    for (std::uint32_t i = 0; i < edge * edge; ++i) {
+        const std::uint32_t rank = pattern.rank_of(set_at(i));
+        const std::uint32_t turn = (rank - pattern.rank_of(set_at(0))) & (turns - 1);
+        if (turn % width != 0) return false;
+        places.insert(turn / width);
+        draws.insert(pattern.draw_of(set_at(i)));
+        if (i % edge == 0) continue;
+        const std::uint32_t apart = (rank - pattern.rank_of(set_at(i - 1))) & (turns - 1);
+        if (std::min(apart, turns - apart) * 4 < turns) return false;
+    }
+    return places.size() == std::size_t{edge} * edge && draws.size() == 1;
+}
+
+}  // namespace
+
+TEST_CASE("the pixels of a square take evenly spread rotations, in each pass other squares") {
+    for (const std::uint32_t sets : {4u, 16u, 64u, 256u, 1024u}) {
+        const std::uint32_t edge = sets == 4 ? 2 : 4;
+        std::set<std::uint32_t> starts;
+        for (std::uint64_t pass = 0; pass < 64; ++pass) {
+            // There is a place from which squares on are all dithered.
+            std::uint32_t found = edge * edge;
+            for (std::uint32_t start = 0; start < edge * edge && found == edge * edge; ++start) {
+                bool all = true;
+                for (std::uint32_t square = 0; square < 25; ++square) {
+                    all = all &&
+                          is_dithered(100 + start % edge + square % 5 * edge,
+                                      200 + start / edge + square / 5 * edge, edge, pass, sets);
+                }
+                if (all) found = start;
+            }
+            REQUIRE(found < edge * edge);
+            starts.insert(found);
         }
+        CHECK(starts.size() >= edge * edge - 1);  // 64 passes leave out two of 16 with chance 0.03
+    }
+}
+
+TEST_CASE("pixels share a set no more often than by chance, at any distance") {
+    constexpr std::uint32_t kPasses = 48, kEdge = 48, kMostLag = 64;
+    for (const std::uint32_t sets : {16u, 64u, 256u, 1024u}) {
+        const double by_chance = 1.0 / sets;
+        // The sixteen pairs of two squares share all at once or not at all, and those that meet
+        // four squares less than that.
+        const double sigma = std::sqrt(by_chance / (kPasses * kEdge * kEdge / 16.0));
+        constexpr std::uint32_t kWide = kEdge + kMostLag;
+        std::vector<std::uint32_t> set_at;  // by pass, within a pixel
+        for (std::uint32_t pixel = 0; pixel < kWide * kWide; ++pixel) {
+            for (std::uint64_t pass = 0; pass < kPasses; ++pass) {
+                set_at.push_back(set_of_pixel(pixel % kWide, pixel / kWide, pass, sets));
+            }
+        }
+        std::uint32_t most_often = 0;
+        for (std::uint32_t lag = 1; lag <= kMostLag; ++lag) {
+            for (const std::uint32_t way : {lag, lag * kWide}) {
+                std::uint32_t shared = 0;
+                for (std::uint32_t i = 0; i < kEdge * kEdge; ++i) {
+                    const std::uint32_t pixel = i / kEdge * kWide + i % kEdge;
+                    const std::uint32_t* const a = &set_at[std::size_t{pixel} * kPasses];
+                    const std::uint32_t* const b = &set_at[std::size_t{pixel + way} * kPasses];
+                    std::uint32_t of_pair = 0;
+                    for (std::uint32_t pass = 0; pass < kPasses; ++pass) {
+                        of_pair += a[pass] == b[pass] ? 1 : 0;
+                    }
+                    shared += of_pair;
+                    most_often = std::max(most_often, of_pair);
+                }
+                const double often = shared / static_cast<double>(kPasses * kEdge * kEdge);
+                CAPTURE(lag);
+                CHECK(often < by_chance + 5.0 * sigma);
+                if (lag >= 4) CHECK(often > by_chance - 5.0 * sigma);
+            }
+        }
+        // Of 300,000 pairs, the one that shares most often by chance (of 48 passes 15 at p = 1/16).
+        CHECK(most_often < 20);
     }
 }
 
