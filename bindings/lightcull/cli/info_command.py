@@ -76,7 +76,9 @@ def _memory(need: MemoryNeed, ways: str, settings: RenderSettings) -> str:
 
 def _facts(scene: Scene) -> Iterator[tuple[str, str]]:
     lights, counts, bounds = scene.lights(), scene.counts, scene.bounds
-    triangles = len(lights) - counts["points"] - counts["spots"] - counts["virtual lights"]
+    emitters = scene.closed().emitter_count()
+    further = len(lights) - emitters
+    triangles = emitters - counts["points"] - counts["spots"] - counts["virtual lights"]
     yield "scene", scene.name
     yield "triangles", f"{scene.triangle_count:,} in {counts['meshes']:,} meshes"
     yield "materials", f"{counts['materials']:,}, textures {counts['textures']:,}"
@@ -84,7 +86,8 @@ def _facts(scene: Scene) -> Iterator[tuple[str, str]]:
         "lights",
         f"{len(lights):,}: {triangles:,} triangles, {counts['points']:,} points, "
         f"{counts['spots']:,} spots"
-        + (f", {counts['virtual lights']:,} virtual lights" if counts["virtual lights"] else ""),
+        + (f", {counts['virtual lights']:,} virtual lights" if counts["virtual lights"] else "")
+        + (f"; {further:,} further parts of triangles" if further else ""),
     )
     strong = lights["intensity"][lights["intensity"] > 0]
     if len(strong):
