@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <functional>
 #include <map>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -16,9 +18,11 @@ namespace {
 constexpr std::size_t kMostAdded = 4096;
 constexpr std::size_t kMostAddedPart = 4;
 
-/// A light is cut if it emits at least such a part of what all lights would emit if all were like
-/// the middle one: among very many lights, none of them alone makes noise.
+/// A light is cut if it emits at least such a part of what all do, but for the brightest, of which
+/// some may be suns far away: among very many lights, none of them alone makes noise.
 constexpr double kLeastPart = 1.0 / 1024.0;
+constexpr std::size_t kBrightest = 16;
+constexpr std::size_t kBrightestPart = 256;
 
 /// Of the triangles without a texture, how many are looked at for each light that may be added:
 /// those that emit most.
@@ -138,13 +142,12 @@ PartEmission Cutting::of_texture(const TriangleEmitter& emitter, const SubTriang
 
 double Cutting::least_flux() const {
     std::vector<float> intensities;
-    for (const Light& light : scene_.lights) {
-        if (light.intensity > 0.0f) intensities.push_back(light.intensity);
-    }
-    if (intensities.empty()) return 0.0;
-    const auto middle = intensities.begin() + static_cast<std::ptrdiff_t>(intensities.size() / 2);
-    std::nth_element(intensities.begin(), middle, intensities.end());
-    return kLeastPart * static_cast<double>(*middle) * static_cast<double>(intensities.size());
+    for (const Light& light : scene_.lights) intensities.push_back(light.intensity);
+    const std::size_t apart = kBrightest + intensities.size() / kBrightestPart;
+    if (intensities.size() <= apart) return 0.0;
+    const auto others = intensities.begin() + static_cast<std::ptrdiff_t>(apart);
+    std::nth_element(intensities.begin(), others, intensities.end(), std::greater<>());
+    return kLeastPart * std::accumulate(others, intensities.end(), 0.0);
 }
 
 void Cutting::cut() {

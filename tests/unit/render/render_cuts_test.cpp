@@ -253,6 +253,20 @@ TEST_CASE("cut emitters: what is small or far, or one of very many lamps, is not
     CHECK(committed(scene)->lights().size() == 8192);
 }
 
+TEST_CASE("cut emitters: a sun far away does not keep near lamps whole") {
+    const auto with_panel = [] {
+        auto scene = floor_scene(4.0f, 0.2f);
+        add_panel(*scene, {0, 0.3f, 0}, 3.9f, 3.9f, emission(1.0f));
+        for (int i = 0; i < 50; ++i) scene->add_point_light({0, 0.1f, 0}, {0.01f, 0.01f, 0.01f});
+        return scene;
+    };
+    const auto scene = with_panel();
+    const std::size_t lights = committed(with_panel())->lights().size();
+    add_panel(*scene, {0, 1e8f, 0}, 1e6f, 1e6f, emission(1e4f));
+    CHECK(lights > 100);
+    CHECK(committed(scene)->lights().size() == lights + 2);
+}
+
 TEST_CASE(
     "cut emitters: lights keep the places in which they were added, further parts come last") {
     auto scene = floor_scene(4.0f, 0.2f);
