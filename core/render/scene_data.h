@@ -40,9 +40,9 @@ struct SceneData {
     std::vector<V3f> positions, normals;
     std::vector<V2f> uvs;
 
-    std::vector<Emitter> emitters;  ///< emitters, or parts of triangles that are cut
-    std::vector<Light> lights;      ///< lights of the emitters, one each
-    TriangleCuts cuts;              ///< emissive triangles, cut or not, since commit()
+    std::vector<Emitter> emitters;           ///< emitters, or parts of triangles that are cut
+    std::vector<Light> lights;               ///< lights of the emitters, one each
+    TriangleCuts cuts;                       ///< emissive triangles, cut or not, since commit()
     std::vector<std::uint32_t> part_lights;  ///< lights of the parts of those that are cut
     std::size_t further_parts = 0;  ///< number of lights, the last ones, that are not a triangle's
                                     ///< first part
