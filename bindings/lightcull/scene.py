@@ -127,7 +127,8 @@ class Scene:
         material: int | None = None,
         name: str = "",
     ) -> int:
-        """Adds triangles that emit, each of them a light, and returns the id of the mesh.
+        """Adds triangles that emit, each of them a light or, if need be, several, and returns the
+        id of the mesh.
 
         radiance: linear RGB, W/(m^2 sr); for all, or float32 (M, 3), one for each triangle.
         two_sided: emits from the back too; the front is where corners run anticlockwise.
@@ -261,7 +262,9 @@ class Scene:
 
     def lights(self) -> np.ndarray:
         """The lights that samplers choose from: (N,) of dtype `lightcull.LIGHT`, in the order in
-        which they were added. The environment is not among them. Closes the scene.
+        which they were added, and after these the further parts of triangles that are cut: those
+        that are long beside their distance to what they light, or whose texture is uneven. The
+        environment is not among them. Closes the scene.
         """
         return self.closed().lights()
 

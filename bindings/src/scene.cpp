@@ -116,6 +116,7 @@ void bind_scene(py::module_& module) {
         .def("commit", &Scene::commit, py::call_guard<py::gil_scoped_release>())
         .def("lights", &lights_of)
         .def("light_count", [](const Scene& scene) { return scene.lights().size(); })
+        .def("emitter_count", &Scene::emitter_count)
         .def("triangle_count", &Scene::triangle_count)
         .def("has_environment", &Scene::has_environment)
         .def("memory_size", &Scene::memory_size);

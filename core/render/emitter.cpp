@@ -63,8 +63,34 @@ struct Sampler {
     V2f u;
 
     EmitterSample operator()(const TriangleEmitter& emitter) const noexcept {
+        if (has_pieces(emitter)) return on_piece(emitter);
         const auto seen = as_seen_from_near(emitter, from);
         const V2f b = seen ? hit_by(emitter, from, seen->sample(u)) : uniform_triangle(u);
+        return look_at(emitter, b, emitter, b, seen);
+    }
+
+    EmitterSample on_piece(const TriangleEmitter& whole) const noexcept {
+        V2f rest = u;
+        const TriangleCuts::Piece piece = scene.cuts.draw(whole.part, rest.x);
+        const TriangleEmitter emitter = part_of(whole, piece.corners);
+        const auto seen = as_seen_from_near(emitter, from);
+        const V2f b = seen ? hit_by(emitter, from, seen->sample(rest)) : draw_place(piece, rest);
+        const float2 in_whole = place_in(piece.corners, {b.x, b.y});
+        EmitterSample sample = look_at(emitter, b, whole, {in_whole.x, in_whole.y}, seen);
+        sample.pdf *= piece.prob;
+        if (!seen) sample.pdf *= TriangleCuts::density(piece, {b.x, b.y});
+        return sample;
+    }
+
+    static V2f draw_place(const TriangleCuts::Piece& piece, const V2f& u) noexcept {
+        const float2 place = TriangleCuts::draw_place(piece, u.x, u.y);
+        return {place.x, place.y};
+    }
+
+    /// Looks at a place `b` of an emitter or a piece, which is `in_whole` in all of the triangle.
+    EmitterSample look_at(const TriangleEmitter& emitter, const V2f& b,
+                          const TriangleEmitter& whole, const V2f& in_whole,
+                          const std::optional<SphericalTriangle>& seen) const noexcept {
         const V3f place = emitter.corner + emitter.edge1 * b.x + emitter.edge2 * b.y;
         const V3f to_place = place - from;
         const float distance2 = to_place.dot(to_place);
@@ -73,7 +99,7 @@ struct Sampler {
             seen ? static_cast<float>(1.0 / seen->solid_angle()) : pdf_by_area(emitter, to_place);
         if (!(pdf > 0.0f)) return {};
         const V3f direction = to_place / std::sqrt(distance2);
-        const V3f radiance = emitted(scene, emitter, b.x, b.y, -direction);
+        const V3f radiance = emitted(scene, whole, in_whole.x, in_whole.y, -direction);
         return {place, direction, radiance, pdf, false, emitter.triangle};
     }
 
@@ -137,14 +163,42 @@ float triangle_pdf(const TriangleEmitter& emitter, const V3f& from, const V3f& t
     return seen ? static_cast<float>(1.0 / seen->solid_angle()) : pdf_by_area(emitter, to_place);
 }
 
+PlacePdf place_pdf(const SceneData& scene, std::uint32_t light, float2 place, const V3f& from,
+                   const V3f& to_place) noexcept {
+    const auto& emitter = *std::get_if<TriangleEmitter>(&scene.emitters[light]);
+    if (emitter.part == kNone) return {light, triangle_pdf(emitter, from, to_place)};
+    const std::uint32_t triangle = scene.cuts.parts()[emitter.part].triangle;
+    const auto [piece, in_piece] = scene.cuts.at(triangle, place);
+    if (piece.part == TriangleCuts::kNoPart) return {light, 0.0f};
+    const std::uint32_t of_part = scene.part_lights[piece.part];
+    if (has_pieces(emitter)) {
+        const TriangleEmitter on_piece = part_of(emitter, piece.corners);
+        const auto seen = as_seen_from_near(on_piece, from);
+        if (seen) return {of_part, piece.prob * static_cast<float>(1.0 / seen->solid_angle())};
+        const float density = piece.prob * TriangleCuts::density(piece, in_piece);
+        return {of_part, density * pdf_by_area(on_piece, to_place)};
+    }
+    const auto& part = *std::get_if<TriangleEmitter>(&scene.emitters[of_part]);
+    return {of_part, triangle_pdf(part, from, to_place)};
+}
+
+TriangleEmitter part_of(const TriangleEmitter& whole, const SubTriangle& part) noexcept {
+    const float2 o = part.corners[0], p = part.corners[1], q = part.corners[2];
+    TriangleEmitter result = whole;
+    result.corner += whole.edge1 * o.x + whole.edge2 * o.y;
+    result.edge1 = whole.edge1 * (p.x - o.x) + whole.edge2 * (p.y - o.y);
+    result.edge2 = whole.edge1 * (q.x - o.x) + whole.edge2 * (q.y - o.y);
+    return result;
+}
+
 V3f emitted(const SceneData& scene, const TriangleEmitter& emitter, float u, float v,
             const V3f& direction) noexcept {
     if (!emitter.two_sided && emitter.edge1.cross(emitter.edge2).dot(direction) <= 0.0f) {
         return V3f(0.0f);
     }
-    if (emitter.texture == kNoTexture) return emitter.radiance;
-    return emitter.radiance *
-           lookup(scene.textures[emitter.texture], scene.uv_at(emitter.triangle, u, v));
+    if (!emitter.has_texture) return emitter.radiance;
+    const TextureId texture = scene.meshes[scene.triangles[emitter.triangle].mesh].emission_texture;
+    return emitter.radiance * lookup(scene.textures[texture], scene.uv_at(emitter.triangle, u, v));
 }
 
 }  // namespace lightcull

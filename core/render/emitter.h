@@ -2,10 +2,12 @@
 
 #include "base/core_export.h"
 #include "render/ray.h"
+#include "render/triangle_record.h"
 #include "render/vec.h"
 
 #include <lightcull/light.h>
 #include <lightcull/render/scene.h>
+#include <lightcull/triangle_cuts.h>
 
 #include <cmath>
 #include <cstdint>
@@ -13,13 +15,16 @@
 
 namespace lightcull {
 
-/// The data of an emissive triangle that light sampling needs, in one place: it is read at random.
+/// The data of an emissive triangle, or a part of one, that light sampling needs, in one place: it
+/// is read at random.
 struct TriangleEmitter {
-    V3f corner, edge1, edge2;  ///< first corner, and the edges from it to the second and third
+    V3f corner, edge1, edge2;  ///< first corner, and the edges from it to the second and third: of
+                               ///< the part, but of the whole triangle where that has a texture
     V3f radiance;              ///< radiance, texture aside
     std::uint32_t triangle;    ///< index of the triangle over all meshes
-    TextureId texture;
+    std::uint32_t part;        ///< index into SceneData::cuts; kNone: a whole triangle, even enough
     bool two_sided;
+    bool has_texture = false;
 };
 
 struct PointEmitter {
@@ -88,9 +93,30 @@ EmitterSample sample_emitter(const SceneData& scene, const Emitter& emitter, con
 LIGHTCULL_CORE_EXPORT float spot_falloff(const SpotEmitter& emitter, float versine) noexcept;
 
 /// Density per solid angle, seen from a point, of a place on the triangle that sample_emitter()
-/// would have chosen: `to_place` leads from the point to it. 0 in the triangle's plane.
+/// would have chosen if the triangle is even: `to_place` leads from the point to it. 0 in the
+/// triangle's plane.
 LIGHTCULL_CORE_EXPORT float triangle_pdf(const TriangleEmitter& emitter, const V3f& from,
                                          const V3f& to_place) noexcept;
+
+/// True if places on the emitter are chosen piece by piece, its texture being uneven.
+inline bool has_pieces(const TriangleEmitter& emitter) noexcept {
+    return emitter.has_texture && emitter.part != kNone;
+}
+
+/// The light that a place of an emissive triangle belongs to, and the density per solid angle with
+/// which sample_emitter() of it would have chosen the place. 0: it would not have.
+struct PlacePdf {
+    std::uint32_t light;
+    float pdf;
+};
+
+/// As triangle_pdf(), of the triangle that has `light`, and maybe others, at barycentric
+/// coordinates.
+LIGHTCULL_CORE_EXPORT PlacePdf place_pdf(const SceneData& scene, std::uint32_t light, float2 place,
+                                         const V3f& from, const V3f& to_place) noexcept;
+
+/// The part of a triangle that lies in its sub-triangle; `whole` has all of the triangle's edges.
+TriangleEmitter part_of(const TriangleEmitter& whole, const SubTriangle& part) noexcept;
 
 /// The radiance that the triangle emits at (u, v) into `direction`, which leaves it.
 LIGHTCULL_CORE_EXPORT V3f emitted(const SceneData& scene, const TriangleEmitter& emitter, float u,

@@ -2,6 +2,7 @@
 
 #include "base/memory_size.h"
 #include "render/checks.h"
+#include "render/emitter_cuts.h"
 #include "render/scene_data.h"
 
 #include <lightcull/error.h>
@@ -162,14 +163,21 @@ void add_triangle_lights(SceneData& scene, const Mesh& mesh) {
                               scene.uv_at(triangle, 0.0f, 1.0f));
         }
         scene.triangles[triangle].light = static_cast<std::uint32_t>(scene.lights.size());
-        scene.emitters.emplace_back(
-            TriangleEmitter{a, b - a, c - a, radiance, triangle, e.texture, e.two_sided});
+        scene.emitters.emplace_back(TriangleEmitter{a, b - a, c - a, radiance, triangle, kNone,
+                                                    e.two_sided, e.texture != kNoTexture});
         scene.lights.push_back(
             triangle_light(to_float3(a), to_float3(b), to_float3(c), mean, e.two_sided));
     }
 }
 
 }  // namespace
+
+void make_traceable(SceneData& scene) {
+    check_not_committed(scene);
+    // Embree reads 16 bytes from the last position.
+    scene.positions.reserve(scene.positions.size() + 1);
+    scene.ray_tracer.emplace(scene.positions, scene.indices, scene.triangles, reach_of(scene));
+}
 
 Scene::Scene() : data_(std::make_unique<SceneData>()) {
 }
@@ -210,6 +218,7 @@ MeshId Scene::add_mesh(const Mesh& mesh) {
 
     MeshRecord record;
     record.material = mesh.material;
+    record.emission_texture = mesh.emission.texture;
     record.first_position = static_cast<std::uint32_t>(s.positions.size());
     for (const float3 p : mesh.positions) s.positions.push_back(to_v3f(p));
     if (!mesh.normals.empty()) {
@@ -284,16 +293,16 @@ void Scene::set_camera(const Camera& camera) {
 }
 
 void Scene::commit() {
-    check_not_committed(*data_);
-    auto& positions = data_->positions;
-    // Embree reads 16 bytes from the last position.
-    positions.reserve(positions.size() + 1);
+    make_traceable(*data_);
+    cut_emitters(*data_);
     data_->texture_means.clear();
-    data_->ray_tracer.emplace(positions, data_->indices, data_->triangles, reach_of(*data_));
 }
 
 Span<const Light> Scene::lights() const noexcept {
     return data_->lights;
+}
+std::size_t Scene::emitter_count() const noexcept {
+    return data_->lights.size() - data_->further_parts;
 }
 std::size_t Scene::triangle_count() const noexcept {
     return data_->triangles.size();
@@ -309,7 +318,8 @@ SceneMemory Scene::memory_size() const noexcept {
     SceneMemory memory;
     memory.data = size_of(s.materials) + size_of(s.meshes) + size_of(s.triangles) +
                   size_of(s.indices) + size_of(s.positions) + size_of(s.normals) + size_of(s.uvs) +
-                  size_of(s.emitters) + size_of(s.lights) + size_of(s.virtual_lights);
+                  size_of(s.emitters) + size_of(s.lights) + size_of(s.virtual_lights) +
+                  s.cuts.memory_size() + size_of(s.part_lights);
     for (const Texture& texture : s.textures) memory.data += size_of(texture.texels);
     if (s.environment) memory.data += s.environment->memory_size();
     if (s.ray_tracer) memory.bvh = s.ray_tracer->memory_size();

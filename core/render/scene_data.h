@@ -10,6 +10,7 @@
 
 #include <lightcull/light.h>
 #include <lightcull/render/scene.h>
+#include <lightcull/triangle_cuts.h>
 
 #include <cstdint>
 #include <map>
@@ -25,6 +26,7 @@ struct MeshRecord {
     std::uint32_t first_position = 0;
     std::uint32_t first_normal = kNone;  ///< index of the first normal; kNone: no shading normals
     std::uint32_t first_uv = kNone;      ///< index of the first texture coordinates; kNone: none
+    TextureId emission_texture = kNoTexture;
 };
 
 struct SceneData {
@@ -38,8 +40,12 @@ struct SceneData {
     std::vector<V3f> positions, normals;
     std::vector<V2f> uvs;
 
-    std::vector<Emitter> emitters;
-    std::vector<Light> lights;  ///< lights of the emitters, one each
+    std::vector<Emitter> emitters;           ///< emitters, or parts of triangles that are cut
+    std::vector<Light> lights;               ///< lights of the emitters, one each
+    TriangleCuts cuts;                       ///< emissive triangles, cut or not, since commit()
+    std::vector<std::uint32_t> part_lights;  ///< lights of the parts of those that are cut
+    std::size_t further_parts = 0;  ///< number of lights, the last ones, that are not a triangle's
+                                    ///< first part
     std::vector<VirtualLight> virtual_lights;
     float virtual_nearest2 = 0.0f;  ///< square of a distance within which virtual lights fall off
                                     ///< no more
@@ -60,6 +66,9 @@ struct SceneData {
                uvs[corner(triangle, 1) + shift] * u + uvs[corner(triangle, 2) + shift] * v;
     }
 };
+
+/// Builds the ray tracer of a scene, which must have none: else it throws Error.
+LIGHTCULL_CORE_EXPORT void make_traceable(SceneData& scene);
 
 /// The inside of a scene, for the rooms of core that render it.
 inline const SceneData& data_of(const Scene& scene) noexcept {

@@ -86,8 +86,9 @@ double integral_along(const V2d& from, const V2d& to, const Function& f) {
 
 }  // namespace
 
-TextureMean::TextureMean(const Texture& texture)
+TextureMean::TextureMean(const Texture& texture, Of of)
     : texels_(texture.texels),
+      of_(of),
       width_(texture.width),
       height_(texture.height),
       sums_per_row_((width_ + kStride - 1) / kStride + 1) {
@@ -99,30 +100,50 @@ TextureMean::TextureMean(const Texture& texture)
             sum.add(texel(x, y));
         }
         sums_.push_back(sum);
+        total_ += sum.luminance;
     }
 }
 
 float TextureMean::over(const V2f& a, const V2f& b, const V2f& c) const noexcept {
+    const Place place = place_of(a, b, c);
+    if (place.is_far) return static_cast<float>(mean_of(place.touched));
+    if (!any_lit(place.touched)) return 0.0f;
+    const auto mean = static_cast<float>(mean_over(place));
+    return mean > 0.0f ? mean : static_cast<float>(mean_of(place.touched));
+}
+
+float TextureMean::over_part(const V2f& a, const V2f& b, const V2f& c) const noexcept {
+    const Place place = place_of(a, b, c);
+    if (place.is_far || !place.has_area) return over(a, b, c);
+    if (!any_lit(place.touched)) return 0.0f;
+    constexpr double kRounding = 0x1p-40;
+    const double mean = mean_over(place);
+    const double area = 0.5 * std::fabs(cross(place.b - place.a, place.c - place.a));
+    return mean * area > kRounding * total_ ? static_cast<float>(mean) : 0.0f;
+}
+
+TextureMean::Place TextureMean::place_of(const V2f& a, const V2f& b, const V2f& c) const noexcept {
     V2d pa = to_texels(a), pb = to_texels(b), pc = to_texels(c);
     const V2d low(std::min({pa.x, pb.x, pc.x}), std::min({pa.y, pb.y, pc.y}));
     const V2d high(std::max({pa.x, pb.x, pc.x}), std::max({pa.y, pb.y, pc.y}));
     const double farthest =
         std::max({std::fabs(low.x), std::fabs(low.y), std::fabs(high.x), std::fabs(high.y)});
-    if (!(farthest < kFarthest)) return static_cast<float>(mean_of({0, 0, width_, height_}));
-    const Texels all = touched(low, high);
-    if (!any_lit(all)) return 0.0f;
+    if (!(farthest < kFarthest)) return {pa, pb, pc, {0, 0, width_, height_}, true, false};
 
     // Near the origin sums are small, and lose little by rounding.
     const V2d nearer(
         std::floor(low.x / static_cast<double>(width_)) * static_cast<double>(width_),
         std::floor(low.y / static_cast<double>(height_)) * static_cast<double>(height_));
-    for (V2d* place : {&pa, &pb, &pc}) *place -= nearer;
+    for (V2d* corner : {&pa, &pb, &pc}) *corner -= nearer;
     // Of a sliver less than 1e-8 of its length wide, rounding would leave little.
     const double extent = std::max(high.x - low.x, high.y - low.y);
     const bool has_area = std::fabs(cross(pb - pa, pc - pa)) > 1e-8 * extent * (extent + 1.0);
-    const double mean = has_area ? mean_over_area(pa, pb, pc) : mean_over_line(pa, pb, pc);
-    const auto result = static_cast<float>(mean);
-    return result > 0.0f ? result : static_cast<float>(mean_of(all));
+    return {pa, pb, pc, touched(low, high), false, has_area};
+}
+
+double TextureMean::mean_over(const Place& place) const noexcept {
+    return place.has_area ? mean_over_area(place.a, place.b, place.c)
+                          : mean_over_line(place.a, place.b, place.c);
 }
 
 V2d TextureMean::to_texels(const V2f& uv) const noexcept {
@@ -141,8 +162,9 @@ TextureMean::Texels TextureMean::touched(const V2d& low, const V2d& high) const 
 }
 
 double TextureMean::texel(std::int64_t x, std::int64_t y) const noexcept {
-    return static_cast<double>(
-        luminance(to_v3f(texels_[static_cast<std::size_t>(y * width_ + x)])));
+    const auto value =
+        static_cast<double>(luminance(to_v3f(texels_[static_cast<std::size_t>(y * width_ + x)])));
+    return of_ == Of::kSquare ? value * value : value;
 }
 
 void TextureMean::Sum::add(double texel) noexcept {

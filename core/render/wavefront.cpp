@@ -105,8 +105,9 @@ V3f Wavefront::emitted_by(std::uint32_t light, const Path& path, const Ray& ray,
     float pdf = 0.0f;
     if (depth_ > 1 && pass_->settings.direct_light == DirectLight::kMis) {
         const V3f from = to_v3f(path.point.position);
-        pdf = pass_->sampler.prob(path.point, path.receipt, light) *
-              triangle_pdf(emitter, from, hit_position(pass_->scene, hit) - from);
+        const PlacePdf of_place = place_pdf(pass_->scene, light, {hit.u, hit.v}, from,
+                                            hit_position(pass_->scene, hit) - from);
+        pdf = pass_->sampler.prob(path.point, path.receipt, of_place.light) * of_place.pdf;
     }
     return radiance * hit_weight(path, pdf);
 }

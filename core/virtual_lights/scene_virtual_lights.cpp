@@ -26,23 +26,23 @@ Light light_of(const VirtualLight& light) noexcept {
 }
 
 /// A scene whose rays can be traced as long as this lives.
-class Committed {
+class Traceable {
   public:
-    explicit Committed(Scene& scene) : scene_(scene) { scene.commit(); }
-    ~Committed() { data_of(scene_).ray_tracer.reset(); }
-    Committed(const Committed&) = delete;
-    Committed& operator=(const Committed&) = delete;
+    explicit Traceable(SceneData& scene) : scene_(scene) { make_traceable(scene); }
+    ~Traceable() { scene_.ray_tracer.reset(); }
+    Traceable(const Traceable&) = delete;
+    Traceable& operator=(const Traceable&) = delete;
 
   private:
-    Scene& scene_;
+    SceneData& scene_;
 };
 
-std::vector<VirtualLight> trace(Scene& scene, std::uint32_t light_paths, std::uint32_t bounces,
+std::vector<VirtualLight> trace(SceneData& scene, std::uint32_t light_paths, std::uint32_t bounces,
                                 std::uint64_t seed) {
-    const Committed committed(scene);
+    const Traceable traceable(scene);
     const std::uint64_t key = hash(seed, std::uint64_t{0x7363656e65});
-    const EmissionTable emission(data_of(scene));
-    return virtual_lights(data_of(scene), emit(emission, light_paths, key), bounces, key);
+    const EmissionTable emission(scene);
+    return virtual_lights(scene, emit(emission, light_paths, key), bounces, key);
 }
 
 void check_number(const char* name, std::uint32_t value, std::uint32_t least, std::uint32_t most) {
@@ -59,8 +59,8 @@ void add_virtual_lights(Scene& scene, std::uint32_t light_paths, std::uint32_t b
     check_number("light_paths", light_paths, 1, kMostPaths);
     check_number("bounces", bounces, 1, 3);
     check_for_virtual_lights(data_of(scene));
-    std::vector<VirtualLight> lights = trace(scene, light_paths, bounces, seed);
     SceneData& impl = data_of(scene);
+    std::vector<VirtualLight> lights = trace(impl, light_paths, bounces, seed);
     for (std::uint32_t i = 0; i < lights.size(); ++i) {
         impl.emitters.emplace_back(VirtualEmitter{i});
         impl.lights.push_back(light_of(lights[i]));

@@ -42,6 +42,22 @@ def test_a_directional_light_is_a_light_and_part_of_the_digest() -> None:
         make_room(lamps=1).add_directional_light((0, 0, 0), (1, 1, 1))
 
 
+def test_a_triangle_that_is_long_beside_its_distance_to_the_floor_is_several_lights() -> None:
+    scene = lightcull.Scene()
+    floor = np.array([[-20, 0, -20], [-20, 0, 20], [20, 0, 20], [20, 0, -20]], np.float32)
+    scene.add_mesh(floor, QUAD)
+    strip = np.array([[-15, 3, 0], [15, 3, 0], [15, 3, 0.1], [-15, 3, 0.1]], np.float32)
+    scene.add_light_mesh(strip, QUAD, radiance=(2, 2, 2))
+    scene.add_point_light((0, 5, 0), (1, 1, 1))
+    lights = scene.lights()
+    assert 20 < len(lights) < 200
+    assert scene.closed().emitter_count() == 3
+    np.testing.assert_allclose(lights["center"][2], [0, 5, 0])
+    parts = np.delete(lights, 2)
+    np.testing.assert_allclose(parts["intensity"].sum(), 2 * 30 * 0.1, rtol=1e-5)
+    assert np.median(parts["radius"]) < 2
+
+
 def test_a_scene_is_closed_by_its_first_use(room: lightcull.Scene) -> None:
     room.lights()
     with pytest.raises(lightcull.Error, match="nothing can be changed"):

@@ -76,8 +76,10 @@ def _memory(need: MemoryNeed, ways: str, settings: RenderSettings) -> str:
 
 def _facts(scene: Scene) -> Iterator[tuple[str, str]]:
     lights, counts, bounds = scene.lights(), scene.counts, scene.bounds
+    emitters = scene.closed().emitter_count()
+    further = len(lights) - emitters
     rarer = {kind: counts[kind] for kind in ("directional lights", "virtual lights")}
-    triangles = len(lights) - counts["points"] - counts["spots"] - sum(rarer.values())
+    triangles = emitters - counts["points"] - counts["spots"] - sum(rarer.values())
     yield "scene", scene.name
     yield "triangles", f"{scene.triangle_count:,} in {counts['meshes']:,} meshes"
     yield "materials", f"{counts['materials']:,}, textures {counts['textures']:,}"
@@ -85,7 +87,8 @@ def _facts(scene: Scene) -> Iterator[tuple[str, str]]:
         "lights",
         f"{len(lights):,}: {triangles:,} triangles, {counts['points']:,} points, "
         f"{counts['spots']:,} spots"
-        + "".join(f", {count:,} {kind}" for kind, count in rarer.items() if count),
+        + "".join(f", {count:,} {kind}" for kind, count in rarer.items() if count)
+        + (f"; {further:,} further parts of triangles" if further else ""),
     )
     for name, unit, of in (
         ("intensity", "W/sr", ~lights["directional"]),

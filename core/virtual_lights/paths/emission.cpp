@@ -28,9 +28,21 @@ LightRay point_ray(const PointEmitter& point, const V2f& u) noexcept {
     return {{point.position, all_around.direction}, point.intensity * (4.0f * kPi)};
 }
 
-LightRay triangle_ray(const SceneData& scene, const TriangleEmitter& triangle,
+LightRay triangle_ray(const SceneData& scene, const TriangleEmitter& emitter,
                       const PathRandom& random) noexcept {
-    const V2f b = uniform_triangle(random.two(Dimension::kLightVertex));
+    V2f u = random.two(Dimension::kLightVertex);
+    TriangleEmitter triangle = emitter;
+    V2f b = uniform_triangle(u), in_whole = b;
+    float pdf = 1.0f;
+    if (has_pieces(emitter)) {
+        const TriangleCuts::Piece piece = scene.cuts.draw(emitter.part, u.x);
+        triangle = part_of(emitter, piece.corners);
+        const float2 on_piece = TriangleCuts::draw_place(piece, u.x, u.y);
+        const float2 place = place_in(piece.corners, on_piece);
+        b = {on_piece.x, on_piece.y};
+        in_whole = {place.x, place.y};
+        pdf = piece.prob * TriangleCuts::density(piece, on_piece);
+    }
     const V3f front = triangle_normal(triangle.edge1, triangle.edge2);
     const bool is_back = triangle.two_sided && random.one(Dimension::kLobe) < 0.5f;
     const V3f normal = is_back ? -front : front;
@@ -41,7 +53,8 @@ LightRay triangle_ray(const SceneData& scene, const TriangleEmitter& triangle,
     const V3f direction = Basis(normal).to_world(local);
     const float area = 0.5f * front.dot(triangle.edge1.cross(triangle.edge2));
     const float sides = triangle.two_sided ? 2.0f : 1.0f;
-    return {{place, direction}, emitted(scene, triangle, b.x, b.y, normal) * (kPi * area * sides)};
+    return {{place, direction},
+            emitted(scene, emitter, in_whole.x, in_whole.y, normal) * (kPi * area * sides / pdf)};
 }
 
 /// The power of an emitter, W; radius: that of a sphere around the scene, which a sun lights.

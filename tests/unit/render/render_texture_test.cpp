@@ -55,6 +55,11 @@ double mean_of_lookups(const Texture& t, const V2f& a, const V2f& b, const V2f& 
     return sum / (static_cast<double>(n) * n);
 }
 
+float part_mean(const Texture& texture, TextureMean::Of of, const V2f& a, const V2f& b,
+                const V2f& c) {
+    return TextureMean(texture, of).over_part(a, b, c);
+}
+
 /// The part of its mean by which the mean over a triangle differs from that of lookups.
 double error(const Texture& t, const V2f& a, const V2f& b, const V2f& c, int n = 1500) {
     return std::fabs(static_cast<double>(mean(t, a, b, c)) / mean_of_lookups(t, a, b, c, n) - 1.0);
@@ -143,4 +148,36 @@ TEST_CASE("the mean is never 0 where a lookup is not") {
     CHECK(lookup(spark, {u, v}).x > 0.0f);
     CHECK(mean(spark, {u, v}, {u + 0.3f, v}, {u, v + 0.3f}) > 0.0f);
     CHECK(mean(spark, {u + 0.1f, v}, {u + 0.3f, v}, {u + 0.1f, v + 0.3f}) == 0.0f);
+}
+
+TEST_CASE("the mean over a part of a triangle is 0 where only rounding would see a bright texel") {
+    std::vector<float> values(64);
+    values[0] = 1000.0f;
+    const Texture t = grey(8, 8, values);
+    const auto of = TextureMean::Of::kLuminance;
+    // The texel is blended in up to a texel's width from its middle, at (1/16, 15/16).
+    const float edge = 3.0f / 16.0f;
+    CHECK(part_mean(t, of, V2f(edge, 0.9f), V2f(0.5f, 0.9f), V2f(0.5f, 0.7f)) == 0.0f);
+    CHECK(mean(t, V2f(edge, 0.9f), V2f(0.5f, 0.9f), V2f(0.5f, 0.7f)) > 0.0f);
+    const V2f a(0.1f, 0.9f), b(0.3f, 0.9f), c(0.1f, 0.8f);
+    CHECK(part_mean(t, of, a, b, c) == mean(t, a, b, c));
+}
+
+TEST_CASE("the mean of a texture's squares is at least the square of its mean") {
+    const Texture t = high_dynamic_range(13, 7);
+    RandomStream random(6);
+    for (int i = 0; i < 200; ++i) {
+        const auto corner = [&] {
+            const float x = random.next();
+            return V2f(x, random.next());
+        };
+        const V2f a = corner(), b = corner(), c = corner();
+        const auto mean = static_cast<double>(part_mean(t, TextureMean::Of::kLuminance, a, b, c));
+        const auto square = static_cast<double>(part_mean(t, TextureMean::Of::kSquare, a, b, c));
+        CHECK(square >= 0.9999 * mean * mean);
+    }
+    const Texture even = grey(2, 2, {3.0f, 3.0f, 3.0f, 3.0f});
+    const V2f a(0.1f, 0.2f), b(0.9f, 0.3f), c(0.4f, 0.8f);
+    const auto nine = static_cast<double>(part_mean(even, TextureMean::Of::kSquare, a, b, c));
+    CHECK(nine == doctest::Approx(9.0).epsilon(1e-5));
 }

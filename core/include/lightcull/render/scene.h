@@ -112,8 +112,12 @@ class LIGHTCULL_EXPORT Scene {
 
     /// The lights that samplers choose from, in the order in which they were added: every triangle
     /// whose radiance * face_radiance is not black, point, spot and directional light; the
-    /// environment is not among them.
+    /// environment is not among them. After these, since commit(), come further parts of triangles
+    /// that are cut: those that are long beside their distance to what they light, or whose texture
+    /// is uneven.
     Span<const Light> lights() const noexcept;
+    /// The number of lights without those further parts.
+    std::size_t emitter_count() const noexcept;
     std::size_t triangle_count() const noexcept;
     bool has_environment() const noexcept;
     const Camera& camera() const noexcept;
