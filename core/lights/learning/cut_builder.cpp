@@ -162,12 +162,27 @@ class CutBuilder {
             const Evidence evidence = known_.of(slot, above, g_sum > 0 ? g.of[i] / g_sum : 0.0f);
             const float factor = visible_factor(evidence), weight = g.of[i] * factor;
             weight_sum_ += weight;
-            const float gain =
-                is_light(node.child[i])
-                    ? 0.0f
-                    : weight * (1.0f - factor + kSizeCounts * relative_size(node, i));
+            const float gain = is_light(node.child[i])
+                                   ? 0.0f
+                                   : weight * (1.0f - factor +
+                                               kSizeCounts * (relative_size(node, i) +
+                                                              misjudged(node.child[i], g.of[i])));
             clusters_.push_back({slot, node.child[i], evidence, weight, gain});
         }
+    }
+
+    /// By how much the importance of a node as a whole is wrong, relative to it, as far as those of
+    /// its children tell.
+    float misjudged(std::uint32_t n, float weight) const noexcept {
+        if (!(weight > 0.0f)) return 0.0f;
+        LightBvhImportances g;
+        light_bvh_kernels<MeansNode>().importances(softened(bvh_.nodes[n], place_.radius),
+                                                   receiver_, g.of);
+        float sum = 0.0f;
+        for (std::uint32_t i = 0; i < kWidth; ++i) {
+            if (bvh_.nodes[n].child[i] != LightBvhNode::kEmpty) sum += g.of[i];
+        }
+        return std::abs(sum / weight - 1.0f);
     }
 
     /// The relative variance of what a cluster's lights give the place, about.

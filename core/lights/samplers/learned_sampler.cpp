@@ -398,10 +398,13 @@ std::unique_ptr<LightSampler> make_learned_sampler(const LearnedOptions& options
     if (base == nullptr) {
         throw Error("learned: glossy points are among the lights, for which there is culled");
     }
-    // Clusters of narrow cones say less of a place than what may be learned about them.
+    // Clusters of narrow cones say less of a place than what may be learned about them. Where all
+    // lights are weighed, there are none.
     constexpr float kNarrow = 0.45f;
-    const std::uint32_t rounds =
-        share_of_narrow_cones(lights, kNarrow) > kManyNarrowCones ? 0 : options.rounds;
+    const bool has_clusters = lights.size() > ClusterCut::kMaxSize;
+    const bool is_narrow =
+        has_clusters && share_of_narrow_cones(lights, kNarrow) > kManyNarrowCones;
+    const std::uint32_t rounds = is_narrow ? 0 : options.rounds;
     return std::make_unique<LearnedSampler>(
         std::move(base), LearningLimits{std::size_t{options.memory_mib} << 20, rounds});
 }
