@@ -13,12 +13,12 @@
 namespace lightcull {
 
 /// The glossy part of what a surface does with light: its BSDF times cosine is taken as
-/// peak / (1 + s^2 (1 / alpha^2 - 1))^2, with s the sine of the angle between the normal and the half
-/// vector h, of the light's direction and the view that `axis` mirrors. With alpha the roughness of
-/// a GGX surface, this is its D(h). In a volume, where there is no normal, it is a lobe about
-/// `axis`, with s the sine of half the angle to it, about.
-/// peak is then F D(n) / 4, over the cosine of the view to the normal where that is above 0, with
-/// D(n) = 1 / (pi alpha^2) and F the luminance of Fresnel's reflectance; `diffuse` is albedo / pi.
+/// peak / (1 + s^2 (1 / alpha^2 - 1))^2, with s the sine of the angle between the normal and the
+/// half vector h, of the light's direction and the view that `axis` mirrors. With alpha the
+/// roughness of a GGX surface, this is its D(h). In a volume, where there is no normal, it is a
+/// lobe about `axis`, with s the sine of half the angle to it, about. peak is then F D(n) / 4, over
+/// the cosine of the view to the normal where that is above 0, with D(n) = 1 / (pi alpha^2) and F
+/// the luminance of Fresnel's reflectance; `diffuse` is albedo / pi.
 struct GlossyLobe {
     float3 axis{0, 0, 1};  ///< mirror direction of the view, unit length
     float alpha = 1.0f;    ///< (0, 1]
