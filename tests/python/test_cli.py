@@ -11,12 +11,14 @@ from subprocess import CompletedProcess
 
 import numpy as np
 import pytest
+from rich.table import Table
 
 import lightcull
 from conftest import Outcome
 from gltf_file import GltfFile
 from lightcull.cli import options
 from lightcull.cli.parser import make_parser
+from lightcull.cli.tables import print_table
 from lightcull.scenes import NAMES
 
 Run = Callable[..., CompletedProcess[str] | Outcome]
@@ -54,6 +56,20 @@ def only_line(text: str) -> str:
     lines = text.splitlines()
     assert len(lines) == 1, text
     return lines[0]
+
+
+def test_a_table_is_printed_whole_where_there_is_no_room(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "40")
+    table = Table("sampler", "figures")
+    table.add_column("last", no_wrap=True)
+    table.add_row("light_bvh:importance=means", "0.123456789", "0.987654321")
+    print_table(table)
+    shown = capsys.readouterr().out
+    assert "light_bvh:importance=means" in shown
+    assert "0.987654321" in shown
+    assert "last" in shown
 
 
 def test_help_teaches(main_here: Run) -> None:

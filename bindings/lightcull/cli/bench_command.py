@@ -15,6 +15,7 @@ from ..bench import Row, bench
 from ..output_files import write_whole_file
 from ..scene import Scene
 from .options import BenchOptions
+from .tables import print_table
 
 
 def run(options: BenchOptions, messages: Console) -> bool:
@@ -60,7 +61,6 @@ _COLUMNS = (
 
 def _print(rows: Sequence[Row]) -> None:
     """A table for each setting, with a line for each sampler and both entries in it."""
-    console = Console(highlight=False)
     for setting, of_setting in groupby(rows, key=_setting):
         table = Table(title=setting, title_justify="left", box=SIMPLE, padding=0)
         table.add_column("sampler", overflow="fold")
@@ -68,7 +68,7 @@ def _print(rows: Sequence[Row]) -> None:
             table.add_column(heading, justify="right", no_wrap=True)
         for name, entries in groupby(of_setting, key=_name):
             table.add_row(name, *_cells(list(entries)))
-        console.print(table)
+        print_table(table, highlight=False)
 
 
 def _setting(row: Row) -> str:

@@ -12,6 +12,7 @@ from ..report import ComparisonFigures
 from ..report.page import text_of
 from .options import CompareMethodsOptions, CompareOptions
 from .progress_bars import Bars
+from .tables import print_table
 
 
 def run(options: CompareOptions, messages: Console) -> bool:
@@ -37,7 +38,7 @@ def run(options: CompareOptions, messages: Console) -> bool:
             command=options.command,
             progress=bars,
         )
-    Console().print(_table(comparison.figures))
+    print_table(_table(comparison.figures))
     index = options.folder / "index.html"
     print(f"{index}: interrupted" if comparison.interrupted else index)
     return not comparison.interrupted

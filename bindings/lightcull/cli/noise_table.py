@@ -13,6 +13,7 @@ from .._core import Error
 from ..output_files import write_whole_file
 from ..selftest.noise import KNOWN_MISSES, Row, all_situations, measure
 from .options import SelftestOptions
+from .tables import print_table
 
 
 def run(options: SelftestOptions, messages: Console) -> bool:
@@ -24,7 +25,7 @@ def run(options: SelftestOptions, messages: Console) -> bool:
         for situation in all_situations():
             status.update(situation.name)
             rows.append(measure(situation))
-    Console(highlight=False).print(_table(rows))
+    print_table(_table(rows), highlight=False)
     if options.json is not None:
         text = json.dumps([_json(row) for row in rows], indent=2, allow_nan=False)
         write_whole_file(options.json, (text + "\n").encode())

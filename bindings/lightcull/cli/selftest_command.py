@@ -17,6 +17,7 @@ from ..output_files import write_whole_file
 from ..selftest.case import Result, worst
 from . import noise_table
 from .options import SelftestOptions
+from .tables import print_table
 
 
 def run(options: SelftestOptions, messages: Console) -> bool:
@@ -27,7 +28,7 @@ def run(options: SelftestOptions, messages: Console) -> bool:
     with messages.status("") as status:
         for result in selftest.run(progress=status.update):
             results.append(result)
-    Console(highlight=False).print(_table(results))
+    print_table(_table(results), highlight=False)
     failed = [result for result in results if not result.passed]
     for result in failed:
         finding = result.finding
