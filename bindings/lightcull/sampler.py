@@ -22,9 +22,9 @@ class LightSelector:
     receives light, or 0 in a volume; None: 0 for all. diffuse: float32 (N,), diffuse albedo / pi,
     in any unit, at least 0; None: 1 for all. lobe: (N,) of dtype `lightcull.LOBE`, the glossy part
     of what the surface does with light, in the unit of diffuse: its BSDF times cosine is taken as
-    peak / (1 + (1 - c) / (2 alpha^2))^2, where c is the cosine between the light's direction and
-    axis, the mirror direction of the view (unit length). alpha: GGX roughness, (0, 1]. peak: at
-    least 0; 0: there is none. None: none for all.
+    peak / (1 + s^2 (1 / alpha^2 - 1))^2, where s is the sine of the angle between the normal and the
+    half vector, of the light's direction and the view. axis: the mirror direction of the view (unit
+    length). alpha: GGX roughness, (0, 1]. peak: at least 0; 0: there is none. None: none for all.
 
     Calls release the GIL and may run in any number of threads.
     """

@@ -41,6 +41,7 @@ std::vector<lightcull_light> lights_of(const Scene& scene) {
         c.intensity = light.intensity;
         c.two_sided = light.two_sided ? 1 : 0;
         c.lobe_alpha = light.lobe_alpha;
+        c.directional = light.directional ? 1 : 0;
         lights.push_back(c);
     }
     return lights;

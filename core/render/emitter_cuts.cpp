@@ -36,6 +36,13 @@ float lit(const Texture& texture, const V2f& uv) noexcept {
     return luminance(lookup(texture, uv));
 }
 
+/// The longest edge of a triangle of texture coordinates, in texels.
+float longest_edge(const Texture& texture, const V2f& u, const V2f& v, const V2f& w) noexcept {
+    const V2f texels(static_cast<float>(texture.width), static_cast<float>(texture.height));
+    return std::max(
+        {((v - u) * texels).length(), ((w - v) * texels).length(), ((u - w) * texels).length()});
+}
+
 const TriangleEmitter* triangle_of(const Emitter& emitter) noexcept {
     return std::get_if<TriangleEmitter>(&emitter);
 }
@@ -54,6 +61,7 @@ class Cutting {
     }
     PartEmission emission(std::uint32_t candidate, const SubTriangle& part);
     PartEmission of_texture(const TriangleEmitter& emitter, const SubTriangle& part);
+    bool is_within_texel(const TriangleEmitter& emitter) const noexcept;
     double least_flux() const;
     void take_over();
 
@@ -73,7 +81,12 @@ void Cutting::choose_candidates() {
     for (std::uint32_t i = 0; i < scene_.emitters.size(); ++i) {
         const TriangleEmitter* const triangle = triangle_of(scene_.emitters[i]);
         if (triangle == nullptr || !(scene_.lights[i].intensity > 0.0f)) continue;
-        (triangle->has_texture ? candidates_ : plain).push_back(i);
+        if (!triangle->has_texture) {
+            plain.push_back(i);
+        } else if (of_texture(*triangle, {}).mean > 0.0f || !is_within_texel(*triangle)) {
+            // Else it has so little of the texture that means of parts are lost in rounding.
+            candidates_.push_back(i);
+        }
     }
     const std::size_t most = kLookedAt * most_added_;
     if (plain.size() > most) {
@@ -98,6 +111,12 @@ PartEmission Cutting::emission(std::uint32_t candidate, const SubTriangle& part)
     return emission;
 }
 
+bool Cutting::is_within_texel(const TriangleEmitter& emitter) const noexcept {
+    const TextureId id = scene_.meshes[scene_.triangles[emitter.triangle].mesh].emission_texture;
+    const auto uv_at = [&](float u, float v) { return scene_.uv_at(emitter.triangle, u, v); };
+    return longest_edge(scene_.textures[id], uv_at(0, 0), uv_at(1, 0), uv_at(0, 1)) <= 1.0f;
+}
+
 PartEmission Cutting::of_texture(const TriangleEmitter& emitter, const SubTriangle& part) {
     const TextureId id = scene_.meshes[scene_.triangles[emitter.triangle].mesh].emission_texture;
     const Texture& texture = scene_.textures[id];
@@ -110,9 +129,7 @@ PartEmission Cutting::of_texture(const TriangleEmitter& emitter, const SubTriang
     const float mean = mean_of.over_part(u, v, w);
     if (!(mean > 0.0f)) return {};
 
-    const V2f texels(static_cast<float>(texture.width), static_cast<float>(texture.height));
-    const float longest = std::max(
-        {((v - u) * texels).length(), ((w - v) * texels).length(), ((u - w) * texels).length()});
+    const float longest = longest_edge(texture, u, v, w);
     if (longest > 1.0f) {
         // The mean of interpolated squares is not below that of squares of what is interpolated.
         const TextureMean& square_of =
@@ -142,7 +159,9 @@ PartEmission Cutting::of_texture(const TriangleEmitter& emitter, const SubTriang
 
 double Cutting::least_flux() const {
     std::vector<float> intensities;
-    for (const Light& light : scene_.lights) intensities.push_back(light.intensity);
+    for (const Light& light : scene_.lights) {
+        if (!light.directional) intensities.push_back(light.intensity);
+    }
     const std::size_t apart = kBrightest + intensities.size() / kBrightestPart;
     if (intensities.size() <= apart) return 0.0;
     const auto others = intensities.begin() + static_cast<std::ptrdiff_t>(apart);

@@ -15,6 +15,7 @@ import lightcull
 from conftest import make_room
 
 ROOT = Path(__file__).parents[2]
+SOURCE = ROOT / "examples/own_sampler.cpp"
 EXAMPLE = ROOT / "examples/own_sampler.py"
 SIZE = (32, 24)
 QUICK = {"spp": 4, "size": SIZE}
@@ -175,12 +176,17 @@ def test_the_example_is_short_and_runs(tmp_path: Path) -> None:
 
 @pytest.fixture(scope="module")
 def library(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The example in C++, as the comment in it says to build it."""
-    path = tmp_path_factory.mktemp("library") / "libmine.so"
-    source = ROOT / "examples/own_sampler.cpp"
-    (line,) = re.findall(r"^/// +(c\+\+ .*)$", source.read_text(), re.M)
-    command = line.replace("libmine.so", str(path)).split()
-    built = subprocess.run([*command, "-Wall", "-Wextra", "-Werror"], cwd=ROOT, capture_output=True, text=True)
+    return build_library(tmp_path_factory.mktemp("library"), SOURCE)
+
+
+def build_library(folder: Path, source: Path) -> Path:
+    """The example in C++, as the comment in it says to build it; or another source."""
+    path = folder / "libmine.so"
+    (line,) = re.findall(r"^/// +(c\+\+ .*)$", SOURCE.read_text(), re.M)
+    command = line.replace("libmine.so", str(path)).replace("examples/own_sampler.cpp", str(source))
+    built = subprocess.run(
+        [*command.split(), "-Wall", "-Wextra", "-Werror"], cwd=ROOT, capture_output=True, text=True
+    )
     assert built.returncode == 0, built.stderr
     return path
 
@@ -191,6 +197,34 @@ def test_a_shared_object_renders_as_ours_does(room: lightcull.Scene, library: Pa
     np.testing.assert_allclose(mine.image, theirs.image, rtol=1e-5, atol=1e-7)
     assert mine.selections == theirs.selections
     assert mine.rays == theirs.rays
+
+
+def test_a_shared_object_is_told_which_lights_are_directional(
+    room: lightcull.Scene, tmp_path: Path
+) -> None:
+    """One that takes no others takes a sun, and refuses lamps."""
+    takes_suns = (
+        SOURCE.read_text()
+        .replace("const lightcull_light*, size_t count", "const lightcull_light* lights, size_t count")
+        .replace(
+            "    *sampler = new",
+            "    for (size_t i = 0; i < count; ++i) {\n"
+            "        if (lights[i].directional == 0) return LIGHTCULL_OUT_OF_MEMORY;\n"
+            "    }\n    *sampler = new",
+        )
+    )
+    assert "directional" in takes_suns
+    (tmp_path / "suns.cpp").write_text(takes_suns)
+    samplers = {"mine": lightcull.SamplerLibrary(build_library(tmp_path, tmp_path / "suns.cpp"))}
+    sunny = lightcull.Scene()
+    floor = np.float32([[-1, 0, -1], [-1, 0, 1], [1, 0, 1], [1, 0, -1]])
+    sunny.add_mesh(floor, np.uint32([[0, 1, 2], [0, 2, 3]]))
+    sunny.add_directional_light((0, -1, 0), (1, 1, 1))
+    sunny.set_camera((0, 2, 0), (0, 0, 0), up=(0, 0, -1))
+    (mine,) = lightcull.compare(sunny, samplers, **QUICK).samplers["mine"]
+    assert mine.image.max() > 0.1
+    with pytest.raises(lightcull.Error, match="there is no memory"):
+        lightcull.compare(room, samplers, **QUICK)
 
 
 def test_what_is_no_sampler_library_is_said(room: lightcull.Scene, tmp_path: Path) -> None:

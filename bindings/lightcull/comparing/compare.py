@@ -76,8 +76,9 @@ def compare(
     samples per pixel instead. samplers: descriptions as in `LightSampler`; None: uniform, power,
     light_bvh, culled and learned; or by the names under which they are shown descriptions, and
     samplers of one's own: what makes an `OwnSampler` of the scene, as a class does, or a
-    `SamplerLibrary`. scene: a `Subject` for a whole renderer of one's own. size: width and height, pixels. max_depth: longest path, in
-    edges: 2 is direct light. rr_depth, direct_light: as in `render`. threads: 0 for all.
+    `SamplerLibrary`. scene: a `Subject` for a whole renderer of one's own. size: width and height,
+    pixels. max_depth: longest path, in edges: 2 is direct light. rr_depth, direct_light: as in
+    `render`. threads: 0 for all.
 
     repeats: runs of each sampler, with the seeds seed, seed + 1 and so on, each for `seconds`; all
     runs of all samplers take turns side by side, and are in memory at once. From two on there are

@@ -35,7 +35,8 @@ def load(path: str | os.PathLike[str], *, gltf_lights: LightUnit | None = None) 
     Of glTF: triangles, metallic-roughness materials and their textures, emission with its texture
     and KHR_materials_emissive_strength, KHR_lights_punctual, and the first perspective camera. Its
     photometric units are taken as radiometric ones: candela as W/sr, lux as W/m^2, candela per
-    square metre as W/(m^2 sr), so that lights and surfaces that emit keep their proportion. Of OBJ: diffuse colour and emission (Ke) with their textures. Of PLY: triangles and one texture.
+    square metre as W/(m^2 sr), so that lights and surfaces that emit keep their proportion. Of OBJ:
+    diffuse colour and emission (Ke) with their textures. Of PLY: triangles and one texture.
 
     gltf_lights: the unit of the lights of KHR_lights_punctual beside what surfaces emit. "candela"
     divides them by 683 lumens a watt: Blender's exporter has multiplied them, and not what

@@ -171,8 +171,8 @@ class CutBuilder {
         }
     }
 
-    /// By how much the importance of a node as a whole is wrong, relative to it, as far as those of
-    /// its children tell.
+    /// The square of how much the importance of a node as a whole is off, relative to it, as far as
+    /// those of its children tell: what that adds to the variance, relative to the weight.
     float misjudged(std::uint32_t n, float weight) const noexcept {
         if (!(weight > 0.0f)) return 0.0f;
         LightBvhImportances g;
@@ -182,7 +182,8 @@ class CutBuilder {
         for (std::uint32_t i = 0; i < kWidth; ++i) {
             if (bvh_.nodes[n].child[i] != LightBvhNode::kEmpty) sum += g.of[i];
         }
-        return std::abs(sum / weight - 1.0f);
+        const float off = sum / weight - 1.0f;
+        return off * off;
     }
 
     /// The relative variance of what a cluster's lights give the place, about.

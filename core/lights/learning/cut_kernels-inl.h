@@ -62,6 +62,13 @@ struct alignas(64) Blur {
     float visible[CutWeights::kMaxOpened];       ///< factor of the children of an opened node
 };
 
+/// What is blurred of weights: of none nothing, though the part may be no number at a point on a
+/// light without extent.
+template <class D>
+HWY_ATTR HWY_INLINE hn::Vec<D> blur_of(D d, hn::Vec<D> weights, hn::Vec<D> part) {
+    return hn::IfThenElseZero(hn::Gt(weights, hn::Zero(d)), hn::Mul(weights, part));
+}
+
 /// Finds the largest anew of the places around one.
 HWY_ATTR inline void find_most(Blur& blur, std::size_t place) {
     const Tag d;
@@ -91,7 +98,7 @@ HWY_ATTR inline void open(const MeansNode& node, float visible, const Receiver& 
         auto blurred = hn::Zero(d);
         const auto w = hn::Mul(importances_at(d, node, i, receiver, &blurred), hn::Set(d, visible));
         hn::Store(w, d, weights.of + first + i);
-        hn::Store(hn::Mul(w, blurred), d, blur.of + first + i);
+        hn::Store(blur_of(d, w, blurred), d, blur.of + first + i);
     }
     find_most(blur, first);
 }
@@ -143,7 +150,7 @@ HWY_ATTR inline void weigh_lobe(const LightBvh<MeansNode>& bvh, const ClusterCut
         auto blurred = hn::Zero(d);
         const auto w = weights_at(cut, i, receiver, &blurred);
         hn::Store(w, d, weights.of + i);
-        hn::Store(hn::Mul(w, blurred), d, blur.of + i);
+        hn::Store(blur_of(d, w, blurred), d, blur.of + i);
     }
     for (std::size_t i = 0; i < CutWeights::kMaxSize; i += kStride) find_most(blur, i);
     sum(weights);

@@ -9,7 +9,7 @@ namespace lightcull {
 
 /// The work that is done with cuts, for one instruction set; all of them give the same bits.
 struct CutKernels {
-    /// Weighs all clusters of a cut.
+    /// Weighs all clusters of a cut, and opens what a lobe asks for (CutWeights).
     void (*weigh)(const LightBvh<MeansNode>& bvh, const ClusterCut& cut, const Receiver& receiver,
                   CutWeights& weights);
 

@@ -25,9 +25,10 @@ namespace lightcull {
 namespace {
 
 /// A pass of `learned`. Where a cell has been made, the clusters of its cut are weighed at the
-/// point, and a light is found down the light BVH below the one that is chosen: the probability is
-/// exact, the same in every pass in which the cell is as it is, and above 0 wherever light may
-/// come from. Elsewhere `culled` chooses. Bit 31 of a receipt's key tells a cell from a set.
+/// point, narrower ones where a lobe asks for them, and a light is found down the light BVH below
+/// the one that is chosen: the probability is exact, the same in every pass in which the cell is as
+/// it is, and above 0 wherever light may come from. Elsewhere `culled` chooses. Bit 31 of a
+/// receipt's key tells a cell from a set.
 class LearnedPass final : public LightSelector, public SamplerInfo {
   public:
     LearnedPass(std::shared_ptr<const LightSelector> fallback,
@@ -401,7 +402,9 @@ std::unique_ptr<LightSampler> make_learned_sampler(const LearnedOptions& options
     // Clusters of narrow cones say less of a place than what may be learned about them. Where all
     // lights are weighed, there are none.
     constexpr float kNarrow = 0.45f;
-    const bool has_clusters = lights.size() > ClusterCut::kMaxSize;
+    const auto lit = std::count_if(lights.begin(), lights.end(),
+                                   [](const Light& light) { return light.intensity > 0.0f; });
+    const bool has_clusters = lit > std::ptrdiff_t{ClusterCut::kMaxSize};
     const bool is_narrow =
         has_clusters && share_of_narrow_cones(lights, kNarrow) > kManyNarrowCones;
     const std::uint32_t rounds = is_narrow ? 0 : options.rounds;

@@ -237,6 +237,26 @@ TEST_CASE("cut emitters: the lights of a triangle emit all that it does") {
     CHECK(sum == doctest::Approx(1000.0 * 4.0 * 4.0 / (64.0 * 64.0)).epsilon(1e-5));
 }
 
+TEST_CASE("cut emitters: a lamp that has next to nothing of its texture shines all the same") {
+    auto scene = floor_scene(4.0f, 2.3f);
+    Texture white = black(1024);
+    std::fill(white.texels.begin(), white.texels.end(), float3{1, 1, 1});
+    Emission e = emission(1.0f);
+    e.texture = scene->add_texture(std::move(white));
+    Shape panel;
+    panel.add_quad({-2, 1, -2}, {2, 1, -2}, {2, 1, 2}, {-2, 1, 2});
+    Mesh mesh = panel.mesh("panel", 1, e);
+    const std::vector<float2> uvs{
+        {0.3f, 0.3f}, {0.300001f, 0.3f}, {0.300001f, 0.300001f}, {0.3f, 0.300001f}};
+    mesh.uvs = uvs;
+    scene->add_mesh(mesh);
+    double sum = 0.0;
+    for (const Light& light : committed(scene)->lights()) {
+        sum += static_cast<double>(light.intensity);
+    }
+    CHECK(sum == doctest::Approx(4.0 * 4.0).epsilon(1e-4));
+}
+
 TEST_CASE("cut emitters: what is small or far, or one of very many lamps, is not cut") {
     auto scene = floor_scene(4.0f, 2.3f);
     for (int i = 0; i < 9; ++i) {

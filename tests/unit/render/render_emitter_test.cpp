@@ -34,7 +34,7 @@ double solid_angle(const V3f& first, const V3f& second, const V3f& third) {
 TEST_CASE("a triangle's density is one per solid angle") {
     const lightcull::SceneData scene;
     const V3f a(10, 20, 30), b(11, 20, 29), c(9, 22, 28);  // far enough to be sampled by area
-    const Emitter triangle = TriangleEmitter{a, b - a, c - a, V3f(5), 0, kNoTexture, true};
+    const Emitter triangle = TriangleEmitter{a, b - a, c - a, V3f(5), 0, kNone, true};
     RandomStream random(1);
     statistics::Accumulator sum;
     for (int i = 0; i < 100000; ++i) {
@@ -61,7 +61,7 @@ TEST_CASE("a near triangle is sampled uniformly by solid angle, whatever its sha
         const auto& [a, b, c] = shape;
         const double whole = solid_angle(a, b, c);
         CAPTURE(whole);
-        const TriangleEmitter t{a, b - a, c - a, V3f(5), 0, kNoTexture, true};
+        const TriangleEmitter t{a, b - a, c - a, V3f(5), 0, kNone, true};
         // The part next to each corner, half as long, has a share of the samples as of the angle.
         std::array<int, 3> counts{};
         constexpr int kSamples = 40000;
@@ -95,7 +95,7 @@ TEST_CASE("a near triangle is sampled uniformly by solid angle, whatever its sha
 
 TEST_CASE("a one-sided triangle emits where its corners run anticlockwise, a two-sided one twice") {
     const lightcull::SceneData scene;
-    TriangleEmitter t{V3f(0), V3f(1, 0, 0), V3f(0, 1, 0), V3f(1), 0, kNoTexture, false};
+    TriangleEmitter t{V3f(0), V3f(1, 0, 0), V3f(0, 1, 0), V3f(1), 0, kNone, false};
     CHECK(emitted(scene, t, 0.3f, 0.3f, V3f(0, 0, 1)).x == 1.0f);
     CHECK(emitted(scene, t, 0.3f, 0.3f, V3f(0, 0, -1)).x == 0.0f);
     t.two_sided = true;
@@ -130,7 +130,7 @@ TEST_CASE("the edge of a spot is where its angles say, however narrow it is") {
 TEST_CASE("from its own plane a triangle is not sampled") {
     const lightcull::SceneData scene;
     const Emitter t =
-        TriangleEmitter{V3f(0), V3f(1, 0, 0), V3f(0, 1, 0), V3f(1), 0, kNoTexture, true};
+        TriangleEmitter{V3f(0), V3f(1, 0, 0), V3f(0, 1, 0), V3f(1), 0, kNone, true};
     CHECK(sample_emitter(scene, t, V3f(5, 5, 0), V2f(0.5f)).pdf == 0.0f);
     // A place on it is rounded to one side or the other, and sees nothing of it all the same.
     for (const float above : {0.0f, 6e-8f, -6e-8f}) {

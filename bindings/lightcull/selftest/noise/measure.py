@@ -60,8 +60,10 @@ class Row:
 
     @property
     def best(self) -> Figures:
-        """Of those whose means are right: one that never finds some lights has little variance."""
-        right = [figures for figures in self.others if figures.right]
+        """Of those whose means are right, if any: one that never finds some lights has little
+        variance.
+        """
+        right = [figures for figures in self.others if figures.right] or self.others
         return min(right, key=lambda figures: figures.variance)
 
     @property

@@ -43,6 +43,13 @@ double reflected(const ShadingPoint& point, const Light& light) {
            double{light.intensity} / (distance * distance);
 }
 
+std::vector<Selection> select_all(const LightSampler& sampler,
+                                  const std::vector<ShadingPoint>& points) {
+    std::vector<Selection> selections(points.size());
+    sampler.select(points, numbers(points.size(), 7), selections);
+    return selections;
+}
+
 /// The mean over points of the relative variance of one sample, of what they are given where
 /// nothing is hidden; and how far the mean is off, in standard deviations.
 struct Spread {
@@ -112,6 +119,26 @@ TEST_CASE("learned: at glossy points no instruction set and no batch changes a b
             REQUIRE(found[i].prob == expected[i].prob);
             REQUIRE(one.light == expected[i].light);
             REQUIRE(one.prob == expected[i].prob);
+        }
+    }
+}
+
+TEST_CASE("learned: glossy points that lie on lamps get finite probabilities") {
+    struct BestAgain {
+        ~BestAgain() { use_instruction_set(instruction_sets().front()); }
+    } const best_again;
+    const std::vector<Light> lights = lamps();
+    std::vector<ShadingPoint> points = glossy_floor(lights.size(), 0.1f);
+    for (std::size_t i = 0; i < lights.size(); ++i) points[i].position = lights[i].center;
+    for (const std::string& name : instruction_sets()) {
+        CAPTURE(name);
+        use_instruction_set(name);
+        const auto sampler = make_sampler("learned", lights);
+        teach(*sampler, lights, points, 0, 6);
+        for (const Selection& s : select_all(*sampler, points)) {
+            REQUIRE(std::isfinite(s.prob));
+            REQUIRE(s.prob >= 0.0f);
+            REQUIRE(std::isfinite(s.receipt.weight_sum));
         }
     }
 }
