@@ -116,7 +116,8 @@ LIGHTCULL_CORE_EXPORT PlacePdf place_pdf(const SceneData& scene, std::uint32_t l
                                          const V3f& from, const V3f& to_place) noexcept;
 
 /// The part of a triangle that lies in its sub-triangle; `whole` has all of the triangle's edges.
-TriangleEmitter part_of(const TriangleEmitter& whole, const SubTriangle& part) noexcept;
+LIGHTCULL_CORE_EXPORT TriangleEmitter part_of(const TriangleEmitter& whole,
+                                              const SubTriangle& part) noexcept;
 
 /// The radiance that the triangle emits at (u, v) into `direction`, which leaves it.
 LIGHTCULL_CORE_EXPORT V3f emitted(const SceneData& scene, const TriangleEmitter& emitter, float u,

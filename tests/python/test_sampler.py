@@ -143,8 +143,9 @@ def test_lights_are_weighed_by_diffuse_part_and_lobe() -> None:
     surface = {"diffuse": np.float32([0.25]), "lobe": lobe}
     chosen = sampler.select(*place, np.float32([0.5]), **surface)
     got = [sampler.prob(*place, chosen, np.uint32([i]), **surface)[0] for i in (0, 1)]
-    to_axis = towards @ np.float64([0.6, 0.8, 0])
-    weights = 0.25 * towards[:, 1] + 5 / (1 + (1 - to_axis) / (2 * 0.3**2)) ** 2
+    half = towards + np.float64([-0.6, 0.8, 0])
+    sine2 = 1 - half[:, 1] ** 2 / np.sum(half**2, axis=1)
+    weights = 0.25 * towards[:, 1] + 5 / (1 + sine2 * (1 / 0.3**2 - 1)) ** 2
     np.testing.assert_allclose(got, weights / weights.sum(), rtol=1e-4)
 
 
