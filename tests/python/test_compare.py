@@ -476,6 +476,8 @@ def test_slices_are_the_samples_of_parts(room: lightcull.Scene, tmp_path: Path) 
     [
         (["reference"], "sampler 'reference': its files would be those of the reference"),
         (["a/b", "a b"], "sampler 'a b': its files would be those of sampler 'a/b'"),
+        (["a", "a_error"], "sampler 'a_error': its files would be those of sampler 'a'"),
+        (["a_run2_slice1", "a"], "sampler 'a_run2_slice1': its files would be those of sampler 'a'"),
         ([""], "sampler '': files cannot be called so"),
         (["x" * 121], "files cannot be called so"),
     ],

@@ -64,6 +64,10 @@ def file_stem(name: str) -> str:
     return re.sub(r"[^\w.+-]", "-", name.replace(":", "_"))
 
 
+_FURTHER_FILE = re.compile(r"(?P<stem>.+)_(error|blurred|flip|metric_.+|run\d+_slice\d+)")
+"""What else there is of a sampler beside its image."""
+
+
 def check_names(names: Sequence[str]) -> None:
     """Error unless samplers of these names have files of their own."""
     stems: dict[str, str] = {page.REFERENCE: "the reference"}
@@ -74,6 +78,10 @@ def check_names(names: Sequence[str]) -> None:
         if stem in stems:
             raise Error(f"sampler {name!r}: its files would be those of {stems[stem]}")
         stems[stem] = f"sampler {name!r}"
+    for stem, name in stems.items():
+        further = _FURTHER_FILE.fullmatch(stem)
+        if further is not None and further["stem"] in stems:
+            raise Error(f"{name}: its files would be those of {stems[further['stem']]}")
 
 
 def _images(comparison: Comparison, view: str, exposure: float) -> dict[str, dict[str, bytes]]:
