@@ -112,7 +112,7 @@ const double kLimit = sidak_z(1e-4, 14 * 3 * 30);
 /// prob() gives to odd lights.
 double worst_z_of_weights(const std::string& description, const std::vector<Light>& lights,
                           const ShadingPoint& point, double factor = 1.0) {
-    constexpr int kPasses = repetitions(20000, 4000);
+    constexpr int kPasses = 20000;
     constexpr double kOther = 0.3;
     constexpr double kOneEvent = 1.0 / (kOther * kPasses);  // one event, which may be missing where
                                                             // it is rare
