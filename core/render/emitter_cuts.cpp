@@ -83,7 +83,7 @@ void Cutting::choose_candidates() {
         if (triangle == nullptr || !(scene_.lights[i].intensity > 0.0f)) continue;
         if (!triangle->has_texture) {
             plain.push_back(i);
-        } else if (of_texture(*triangle, {}).mean > 0.0f || !is_within_texel(*triangle)) {
+        } else if (!is_within_texel(*triangle) || of_texture(*triangle, {}).mean > 0.0f) {
             // Else it has so little of the texture that means of parts are lost in rounding.
             candidates_.push_back(i);
         }

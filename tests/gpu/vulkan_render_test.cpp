@@ -46,33 +46,15 @@ RenderSettings settings_of(std::uint64_t seed) {
 }
 
 /// A device's selections, a little off.
-class SkewedSampler final : public LightSampler {
+class SkewedSampler final : public ForwardingSampler {
   public:
-    explicit SkewedSampler(std::unique_ptr<LightSampler> inner) : inner_(std::move(inner)) {}
-
-    void begin_pass(std::uint64_t pass) override { inner_->begin_pass(pass); }
-    std::unique_ptr<const LightSelector> pass(std::uint64_t number) const override {
-        return inner_->pass(number);
-    }
-    LightUpdate update(Span<const Light> lights, float max_growth) override {
-        return inner_->update(lights, max_growth);
-    }
-    Selection select(const ShadingPoint& point, float u) const noexcept override {
-        return inner_->select(point, u);
-    }
+    using ForwardingSampler::ForwardingSampler;
+    using ForwardingSampler::select;
     void select(Span<const ShadingPoint> points, Span<const float> u,
                 Span<Selection> selections) const override {
-        inner_->select(points, u, selections);
+        ForwardingSampler::select(points, u, selections);
         for (Selection& selection : selections) selection.prob *= 0.8f;
     }
-    float prob(const ShadingPoint& point, const Receipt& receipt,
-               std::uint32_t light) const noexcept override {
-        return inner_->prob(point, receipt, light);
-    }
-    std::uint32_t set_count() const noexcept override { return inner_->set_count(); }
-
-  private:
-    std::unique_ptr<LightSampler> inner_;
 };
 
 std::unique_ptr<LightSampler> on_device(const Scene& scene, const RenderSettings& settings) {

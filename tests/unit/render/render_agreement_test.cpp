@@ -96,34 +96,23 @@ enum class NaiveRule { kZero, kAcceptedOnly };
 
 /// Another sampler, whose prob() is wrong for lights that were not accepted: 0 for all lights, or
 /// g_i / W with W the sum over the accepted ones alone.
-class NaiveSampler final : public LightSampler {
+class NaiveSampler final : public ForwardingSampler {
   public:
     NaiveSampler(std::unique_ptr<LightSampler> inner, NaiveRule rule)
-        : inner_(std::move(inner)), rule_(rule) {}
+        : ForwardingSampler(std::move(inner)), rule_(rule) {}
 
-    void begin_pass(std::uint64_t pass) override { inner_->begin_pass(pass); }
-    std::unique_ptr<const LightSelector> pass(std::uint64_t number) const override {
-        return inner_->pass(number);
-    }
-    LightUpdate update(Span<const Light> lights, float max_growth) override {
-        return inner_->update(lights, max_growth);
-    }
-    Selection select(const ShadingPoint& point, float u) const noexcept override {
-        return inner_->select(point, u);
-    }
-    using LightSampler::select;
+    using ForwardingSampler::prob;
     float prob(const ShadingPoint& point, const Receipt& receipt,
                std::uint32_t light) const noexcept override {
         if (rule_ == NaiveRule::kZero) return 0.0f;
         // The weight beside which the light's own is nothing, accepted or not.
         constexpr float kHuge = 1e20f;
-        const float importance = kHuge * inner_->prob(point, {kHuge, receipt.key}, light);
+        const float importance =
+            kHuge * ForwardingSampler::prob(point, {kHuge, receipt.key}, light);
         return importance / receipt.weight_sum;
     }
-    std::uint32_t set_count() const noexcept override { return inner_->set_count(); }
 
   private:
-    std::unique_ptr<LightSampler> inner_;
     NaiveRule rule_;
 };
 

@@ -152,29 +152,14 @@ double relative_error(const std::vector<Estimate>& blocks) {
 
 /// A sampler that takes all lights of a triangle for the first of them, when it is asked for the
 /// probability of one.
-class FirstPartSampler final : public LightSampler {
+class FirstPartSampler final : public ForwardingSampler {
   public:
-    explicit FirstPartSampler(std::unique_ptr<LightSampler> inner) : inner_(std::move(inner)) {}
-
-    void begin_pass(std::uint64_t pass) override { inner_->begin_pass(pass); }
-    std::unique_ptr<const LightSelector> pass(std::uint64_t number) const override {
-        return inner_->pass(number);
-    }
-    LightUpdate update(Span<const Light> lights, float max_growth) override {
-        return inner_->update(lights, max_growth);
-    }
-    Selection select(const ShadingPoint& point, float u) const noexcept override {
-        return inner_->select(point, u);
-    }
-    using LightSampler::select;
+    using ForwardingSampler::ForwardingSampler;
+    using ForwardingSampler::prob;
     float prob(const ShadingPoint& point, const Receipt& receipt,
                std::uint32_t) const noexcept override {
-        return inner_->prob(point, receipt, 0);
+        return ForwardingSampler::prob(point, receipt, 0);
     }
-    std::uint32_t set_count() const noexcept override { return inner_->set_count(); }
-
-  private:
-    std::unique_ptr<LightSampler> inner_;
 };
 
 /// The barycentric coordinates of a place in a triangle of a scene.

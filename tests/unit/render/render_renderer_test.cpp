@@ -59,35 +59,20 @@ std::vector<float3> render(const std::shared_ptr<const Scene>& scene,
 }
 
 /// Passes calls on to another sampler, and cancels at the first selection once it is told to.
-class CancellingSampler final : public LightSampler {
+class CancellingSampler final : public ForwardingSampler {
   public:
     CancellingSampler(std::unique_ptr<LightSampler> inner, const std::atomic<bool>& armed,
                       std::atomic<bool>& cancel)
-        : inner_(std::move(inner)), armed_(armed), cancel_(cancel) {}
+        : ForwardingSampler(std::move(inner)), armed_(armed), cancel_(cancel) {}
 
-    void begin_pass(std::uint64_t pass) override { inner_->begin_pass(pass); }
-    std::unique_ptr<const LightSelector> pass(std::uint64_t number) const override {
-        return inner_->pass(number);
-    }
-    LightUpdate update(Span<const Light> lights, float max_growth) override {
-        return inner_->update(lights, max_growth);
-    }
-    Selection select(const ShadingPoint& point, float u) const noexcept override {
-        return inner_->select(point, u);
-    }
+    using ForwardingSampler::select;
     void select(Span<const ShadingPoint> points, Span<const float> u,
                 Span<Selection> selections) const override {
-        inner_->select(points, u, selections);
+        ForwardingSampler::select(points, u, selections);
         if (armed_) cancel_ = true;
     }
-    float prob(const ShadingPoint& point, const Receipt& receipt,
-               std::uint32_t light) const noexcept override {
-        return inner_->prob(point, receipt, light);
-    }
-    std::uint32_t set_count() const noexcept override { return inner_->set_count(); }
 
   private:
-    std::unique_ptr<LightSampler> inner_;
     const std::atomic<bool>& armed_;
     std::atomic<bool>& cancel_;
 };

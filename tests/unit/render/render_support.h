@@ -2,6 +2,7 @@
 
 #include "unit/statistics.h"
 
+#include <lightcull/light_sampler.h>
 #include <lightcull/render/renderer.h>
 
 #include <cmath>
@@ -190,5 +191,35 @@ inline statistics::Estimate render_mean(const std::shared_ptr<const Scene>& scen
                          settings.width)
         .back();
 }
+
+/// A sampler that passes all calls on to another, for those that change one of them.
+class ForwardingSampler : public LightSampler {
+  public:
+    explicit ForwardingSampler(std::unique_ptr<LightSampler> inner) : inner_(std::move(inner)) {}
+
+    void begin_pass(std::uint64_t pass) override { inner_->begin_pass(pass); }
+    std::unique_ptr<const LightSelector> pass(std::uint64_t number) const override {
+        return inner_->pass(number);
+    }
+    LightUpdate update(Span<const Light> lights, float max_growth) override {
+        return inner_->update(lights, max_growth);
+    }
+    Selection select(const ShadingPoint& point, float u) const noexcept override {
+        return inner_->select(point, u);
+    }
+    void select(Span<const ShadingPoint> points, Span<const float> u,
+                Span<Selection> selections) const override {
+        inner_->select(points, u, selections);
+    }
+    using LightSampler::prob;
+    float prob(const ShadingPoint& point, const Receipt& receipt,
+               std::uint32_t light) const noexcept override {
+        return inner_->prob(point, receipt, light);
+    }
+    std::uint32_t set_count() const noexcept override { return inner_->set_count(); }
+
+  private:
+    std::unique_ptr<LightSampler> inner_;
+};
 
 }  // namespace render_support

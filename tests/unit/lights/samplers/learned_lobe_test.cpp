@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "unit/lights/samplers/learned_lamps.h"
+#include "unit/lights/simd/best_again.h"
 #include "unit/statistics.h"
 
 namespace lightcull {
@@ -99,9 +100,7 @@ TEST_CASE("learned: at glossy points probabilities are those of select, and sum 
 }
 
 TEST_CASE("learned: at glossy points no instruction set and no batch changes a bit") {
-    struct BestAgain {
-        ~BestAgain() { use_instruction_set(instruction_sets().front()); }
-    } const best_again;
+    const BestAgain best_again;
     const std::vector<Light> lights = lamps();
     const std::vector<ShadingPoint> points = glossy_floor(1000, 0.1f);
     const auto sampler = make_sampler("learned", lights);
@@ -124,9 +123,7 @@ TEST_CASE("learned: at glossy points no instruction set and no batch changes a b
 }
 
 TEST_CASE("learned: glossy points that lie on lamps get finite probabilities") {
-    struct BestAgain {
-        ~BestAgain() { use_instruction_set(instruction_sets().front()); }
-    } const best_again;
+    const BestAgain best_again;
     const std::vector<Light> lights = lamps();
     std::vector<ShadingPoint> points = glossy_floor(lights.size(), 0.1f);
     for (std::size_t i = 0; i < lights.size(); ++i) points[i].position = lights[i].center;

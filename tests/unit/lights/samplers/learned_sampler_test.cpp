@@ -16,6 +16,7 @@
 
 #include "base/random.h"
 #include "unit/lights/samplers/learned_lamps.h"
+#include "unit/lights/simd/best_again.h"
 #include "unit/statistics.h"
 
 namespace lightcull {
@@ -276,9 +277,7 @@ TEST_CASE("learned: bytes that are not its own are refused, and nothing is lost"
 }
 
 TEST_CASE("learned: instruction sets and threads change no bit of what is learned") {
-    struct BestAgain {
-        ~BestAgain() { use_instruction_set(instruction_sets().front()); }
-    } const best_again;
+    const BestAgain best_again;
     const std::vector<Light> lights = lamps();
     const std::vector<ShadingPoint> points = floor_points(1500);
     std::vector<std::uint8_t> wanted;

@@ -12,6 +12,7 @@
 
 #include "base/random.h"
 #include "lights/baselines/culling_tree.h"
+#include "unit/lights/simd/best_again.h"
 #include "unit/sanitizer.h"
 #include "unit/test_lights.h"
 
@@ -19,11 +20,6 @@ using namespace lightcull;
 using namespace lightcull::testing;
 
 namespace {
-
-/// Makes the best instruction set the one in use again for the next test, whatever a test does.
-struct BestAgain {
-    ~BestAgain() { use_instruction_set(instruction_sets().front()); }
-};
 
 struct Results {
     std::vector<Selection> single, batch;
