@@ -11,6 +11,8 @@
 #include <memory>
 #include <string>
 #include <system_error>
+#include <utility>
+#include <vector>
 
 namespace lightcull {
 namespace {
@@ -33,18 +35,15 @@ std::unique_ptr<OIIO::ImageInput> open_image(const std::string& path) {
     return input;
 }
 
-/// The image as RGB: grey of one or two channels (the second is alpha), or the first three of more.
-Image to_rgb(const OIIO::ImageSpec& spec, const std::vector<float>& samples) {
-    Image image{
-        static_cast<std::uint32_t>(spec.width), static_cast<std::uint32_t>(spec.height), {}};
-    const auto stride = static_cast<std::size_t>(spec.nchannels);
-    image.pixels.resize(samples.size() / stride);
-    for (std::size_t i = 0; i < image.pixels.size(); ++i) {
-        const float* const sample = samples.data() + i * stride;
-        image.pixels[i] = stride < 3 ? float3{sample[0], sample[0], sample[0]}
-                                     : float3{sample[0], sample[1], sample[2]};
+/// Samples as RGB: grey of one or two channels (the second is alpha), or the first three of more.
+std::vector<float3> to_rgb(std::size_t channels, const std::vector<float>& samples) {
+    std::vector<float3> pixels(samples.size() / channels);
+    for (std::size_t i = 0; i < pixels.size(); ++i) {
+        const float* const sample = samples.data() + i * channels;
+        pixels[i] = channels < 3 ? float3{sample[0], sample[0], sample[0]}
+                                 : float3{sample[0], sample[1], sample[2]};
     }
-    return image;
+    return pixels;
 }
 
 /// The bytes that this machine has free; as many as can be where it does not say.
@@ -69,27 +68,51 @@ void check_size(const std::string& path, const OIIO::ImageSpec& spec) {
                    " pixels do not fit into memory");
 }
 
-Image read_opened(const std::string& path, OIIO::ImageInput& input, bool linear_data) {
-    const OIIO::ImageSpec spec = input.spec();
-    check_size(path, spec);
-    std::vector<float> samples(spec.image_pixels() * static_cast<std::size_t>(spec.nchannels));
-    const bool read =
-        input.read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, samples.data());
+/// Reads so many channels of all pixels.
+template <typename T>
+std::vector<T> read_samples(const std::string& path, OIIO::ImageInput& input, int channels,
+                            OIIO::TypeDesc type) {
+    std::vector<T> samples(input.spec().image_pixels() * static_cast<std::size_t>(channels));
+    const bool read = input.read_image(0, 0, 0, channels, type, samples.data());
     // Truncated JPEG and TIFF files are "read", with a message and pixels made up.
     if (!read || input.has_error()) fail(path, input.geterror());
-    Image image = to_rgb(spec, samples);
-    if (!linear_data && !spec.format.is_floating_point()) {
-        for (float3& pixel : image.pixels) {
-            pixel = {OIIO::sRGB_to_linear(pixel.x), OIIO::sRGB_to_linear(pixel.y),
-                     OIIO::sRGB_to_linear(pixel.z)};
-        }
+    return samples;
+}
+
+StoredImage read_opened(const std::string& path, OIIO::ImageInput& input) {
+    const OIIO::ImageSpec spec = input.spec();
+    check_size(path, spec);
+    StoredImage image;
+    image.width = static_cast<std::uint32_t>(spec.width);
+    image.height = static_cast<std::uint32_t>(spec.height);
+    const int channels = spec.nchannels < 3 ? 1 : 3;
+    image.channels = static_cast<std::uint32_t>(channels);
+    if (spec.format == OIIO::TypeDesc::UINT8) {
+        image.samples8 = read_samples<std::uint8_t>(path, input, channels, OIIO::TypeDesc::UINT8);
+    } else if (spec.format == OIIO::TypeDesc::UINT16) {
+        image.samples16 =
+            read_samples<std::uint16_t>(path, input, channels, OIIO::TypeDesc::UINT16);
+    } else {
+        image.pixels = to_rgb(image.channels,
+                              read_samples<float>(path, input, channels, OIIO::TypeDesc::FLOAT));
     }
     return image;
 }
 
+/// Samples in parts of the largest value that their type holds.
+template <typename T>
+std::vector<float> to_floats(const std::vector<T>& samples) {
+    std::vector<float> floats;
+    floats.reserve(samples.size());
+    for (const T sample : samples) {
+        floats.push_back(static_cast<float>(sample) / std::numeric_limits<T>::max());
+    }
+    return floats;
+}
+
 }  // namespace
 
-Image read_image(const std::string& path, bool linear_data) {
+StoredImage read_stored_image(const std::string& path) {
     if (path.find('\0') != std::string::npos) {
         fail(path.substr(0, path.find('\0')) + "\\0...", "no name of a file");
     }
@@ -102,12 +125,26 @@ Image read_image(const std::string& path, bool linear_data) {
     }
     try {
         const auto input = open_image(path);
-        return read_opened(path, *input, linear_data);
+        return read_opened(path, *input);
     } catch (const Error&) {
         throw;
     } catch (const std::exception& error) {  // a header that promises more than memory holds
         fail(path, error.what());
     }
+}
+
+Image read_image(const std::string& path, bool linear_data) {
+    StoredImage stored = read_stored_image(path);
+    Image image{stored.width, stored.height, std::move(stored.pixels)};
+    if (!image.pixels.empty()) return image;
+    image.pixels = to_rgb(stored.channels, stored.samples16.empty() ? to_floats(stored.samples8)
+                                                                    : to_floats(stored.samples16));
+    if (linear_data) return image;
+    for (float3& pixel : image.pixels) {
+        pixel = {OIIO::sRGB_to_linear(pixel.x), OIIO::sRGB_to_linear(pixel.y),
+                 OIIO::sRGB_to_linear(pixel.z)};
+    }
+    return image;
 }
 
 }  // namespace lightcull

@@ -56,11 +56,18 @@ void index(std::string_view what, std::size_t i, std::size_t count, std::string_
 void texture(std::string_view what, const Texture& texture) {
     const std::size_t count = std::size_t{texture.width} * texture.height;
     if (count == 0) fail(what, "has no texels");
-    if (texture.texels.size() != count) {
-        fail(what, "has " + std::to_string(texture.texels.size()) + " texels, not " +
+    const std::size_t encoded = texture.texels8.size() + texture.texels16.size();
+    const std::size_t channels = encoded == 0 ? 1 : texture.channels;
+    if (channels != 1 && channels != 3) fail(what, "has neither 1 nor 3 channels");
+    const std::size_t given = texture.texels.size() + encoded;
+    if (given != count * channels) {
+        fail(what, "has " + std::to_string(given / channels) + " texels, not " +
                        std::to_string(texture.width) + " x " + std::to_string(texture.height));
     }
-    for (std::size_t i = 0; i < count; ++i) {
+    const bool has_two = texture.texels.size() != given && texture.texels8.size() != given &&
+                         texture.texels16.size() != given;
+    if (has_two) fail(what, "has texels of two kinds");
+    for (std::size_t i = 0; i < texture.texels.size(); ++i) {
         const float3 texel = texture.texels[i];
         if (!is_finite(to_v3f(texel)) || texel.x < 0.0f || texel.y < 0.0f || texel.z < 0.0f) {
             radiometric(std::string(what) + ": " + element("texels", i), texel);

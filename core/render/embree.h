@@ -18,7 +18,8 @@ inline void intersect16(const int* valid, RTCScene scene, RTCRayHit16& rays, boo
     RTCIntersectArguments arguments;
     rtcInitIntersectArguments(&arguments);
     arguments.flags = coherent ? RTC_RAY_QUERY_FLAG_COHERENT : RTC_RAY_QUERY_FLAG_INCOHERENT;
-    arguments.feature_mask = RTC_FEATURE_FLAG_TRIANGLE;
+    arguments.feature_mask = static_cast<RTCFeatureFlags>(
+        RTC_FEATURE_FLAG_TRIANGLE | RTC_FEATURE_FLAG_FILTER_FUNCTION_IN_GEOMETRY);
     rtcIntersect16(valid, scene, &rays, &arguments);
 #else
     RTCIntersectContext context;

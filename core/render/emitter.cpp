@@ -1,5 +1,6 @@
 #include "render/emitter.h"
 
+#include "render/cut_outs.h"
 #include "render/scene_data.h"
 #include "render/spherical_triangle.h"
 #include "render/texture.h"
@@ -99,7 +100,7 @@ struct Sampler {
             seen ? static_cast<float>(1.0 / seen->solid_angle()) : pdf_by_area(emitter, to_place);
         if (!(pdf > 0.0f)) return {};
         const V3f direction = to_place / std::sqrt(distance2);
-        const V3f radiance = emitted(scene, whole, in_whole.x, in_whole.y, -direction);
+        const V3f radiance = emitted_on_average(scene, whole, in_whole.x, in_whole.y, -direction);
         return {place, direction, radiance, pdf, false, emitter.triangle};
     }
 
@@ -199,6 +200,12 @@ V3f emitted(const SceneData& scene, const TriangleEmitter& emitter, float u, flo
     if (!emitter.has_texture) return emitter.radiance;
     const TextureId texture = scene.meshes[scene.triangles[emitter.triangle].mesh].emission_texture;
     return emitter.radiance * lookup(scene.textures[texture], scene.uv_at(emitter.triangle, u, v));
+}
+
+V3f emitted_on_average(const SceneData& scene, const TriangleEmitter& emitter, float u, float v,
+                       const V3f& direction) noexcept {
+    const V3f radiance = emitted(scene, emitter, u, v, direction);
+    return scene.has_cut_outs ? radiance * opacity_at(scene, emitter.triangle, u, v) : radiance;
 }
 
 }  // namespace lightcull

@@ -119,8 +119,13 @@ LIGHTCULL_CORE_EXPORT PlacePdf place_pdf(const SceneData& scene, std::uint32_t l
 LIGHTCULL_CORE_EXPORT TriangleEmitter part_of(const TriangleEmitter& whole,
                                               const SubTriangle& part) noexcept;
 
-/// The radiance that the triangle emits at (u, v) into `direction`, which leaves it.
+/// The radiance that the triangle emits at (u, v) into `direction`, which leaves it, to a ray that
+/// meets it there.
 LIGHTCULL_CORE_EXPORT V3f emitted(const SceneData& scene, const TriangleEmitter& emitter, float u,
                                   float v, const V3f& direction) noexcept;
+
+/// The same to a ray that was sent to the place, and may go through where the triangle is cut out.
+LIGHTCULL_CORE_EXPORT V3f emitted_on_average(const SceneData& scene, const TriangleEmitter& emitter,
+                                             float u, float v, const V3f& direction) noexcept;
 
 }  // namespace lightcull

@@ -112,7 +112,7 @@ struct RayTracer::Handles {
 };
 
 RayTracer::RayTracer(Span<const V3f> positions, Span<const std::uint32_t> indices,
-                     Span<const TriangleRecord> triangles, float reach)
+                     Span<const TriangleRecord> triangles, float reach, const SceneData* cut_outs)
     : handles_(std::make_unique<Handles>()) {
     handles_->device = rtcNewDevice(nullptr);
     handles_->check();
@@ -129,9 +129,12 @@ RayTracer::RayTracer(Span<const V3f> positions, Span<const std::uint32_t> indice
                                    indices.data(), 0, 3 * sizeof(std::uint32_t),
                                    indices.size() / 3);
         handles_->triangles = {positions.data(), indices.data(), triangles.data(),
-                               std::min(handles_->scale, 1.0f)};
+                               std::min(handles_->scale, 1.0f), cut_outs};
         rtcSetGeometryUserData(geometry, &handles_->triangles);
         rtcSetGeometryOccludedFilterFunction(geometry, filter_shadow_hits);
+        if (cut_outs != nullptr) {
+            rtcSetGeometryIntersectFilterFunction(geometry, filter_cut_outs);
+        }
         rtcCommitGeometry(geometry);
         rtcAttachGeometry(handles_->scene, geometry);
         rtcReleaseGeometry(geometry);

@@ -13,14 +13,17 @@
 
 namespace lightcull {
 
-/// Finds what rays hit among triangles.
+struct SceneData;
+
+/// Finds what rays hit among triangles. Where one is cut out, rays go on.
 class LIGHTCULL_CORE_EXPORT RayTracer {
   public:
     /// Builds the acceleration structure in the caller's TBB arena. `positions` stay the caller's,
     /// who keeps them in place and one more element readable after the last, and so do the others.
-    /// reach: the largest coordinate, but for its sign, of what rays begin or end at. Throws Error.
+    /// reach: the largest coordinate, but for its sign, of what rays begin or end at. cut_outs: the
+    /// scene of the triangles, if some of them are cut out. Throws Error.
     RayTracer(Span<const V3f> positions, Span<const std::uint32_t> indices,
-              Span<const TriangleRecord> triangles, float reach);
+              Span<const TriangleRecord> triangles, float reach, const SceneData* cut_outs);
     ~RayTracer();
     RayTracer(RayTracer&&) noexcept;
     RayTracer& operator=(RayTracer&&) noexcept;

@@ -2,8 +2,10 @@
 
 #include "base/memory_size.h"
 #include "render/checks.h"
+#include "render/cut_outs.h"
 #include "render/emitter_cuts.h"
 #include "render/scene_data.h"
+#include "render/texture.h"
 
 #include <lightcull/error.h>
 
@@ -20,7 +22,7 @@ void check_not_committed(const SceneData& scene) {
     if (scene.ray_tracer) throw Error("scene: nothing can be changed after commit()");
 }
 
-void check_reflectance(const std::string& what, TextureId id, const std::vector<Texture>& all) {
+void check_reflectance(const std::string& what, TextureId id, const std::deque<Texture>& all) {
     if (id == kNoTexture) return;
     check::index(what, id, all.size(), "textures");
     // Images that were decoded may be above 1 by rounding.
@@ -68,6 +70,13 @@ void check_geometry(const std::string& name, const Mesh& mesh) {
     }
     check_attribute(name + ": normals", mesh.normals, mesh.positions.size(), "positions");
     check_attribute(name + ": uvs", mesh.uvs, mesh.positions.size(), "positions");
+    check_attribute(name + ": colors", mesh.colors, mesh.positions.size(), "positions");
+    for (std::size_t i = 0; i < mesh.colors.size(); ++i) {
+        const float3 c = mesh.colors[i];
+        const float least = std::min({c.x, c.y, c.z}), most = std::max({c.x, c.y, c.z});
+        if (least >= 0.0f && most <= 1.0f) continue;
+        check::in_unit_range(check::element(name + ": colors", i), least < 0.0f ? least : most);
+    }
 }
 
 V3f radiance_of(const Emission& emission, std::size_t triangle) noexcept {
@@ -118,14 +127,20 @@ void check_mesh(const std::string& name, const Mesh& mesh, const SceneData& scen
     check_geometry(name, mesh);
     check::index(name + ": material", mesh.material, scene.materials.size(), "materials");
     const Material& m = scene.materials[mesh.material];
-    const bool textured =
-        m.base_color_texture != kNoTexture || m.metallic_roughness_texture != kNoTexture;
+    const bool textured = m.base_color_texture != kNoTexture ||
+                          m.metallic_roughness_texture != kNoTexture ||
+                          m.opacity_texture != kNoTexture;
     if (textured && mesh.uvs.empty()) {
         check::fail(name + ": material " + std::to_string(mesh.material),
                     "has textures, and the mesh has no uvs");
     }
     check_emission(name, mesh, scene.textures.size());
     check_areas(name, mesh);
+}
+
+/// What messages call a light, the next of its kind.
+std::string name_of(const char* kind, std::size_t number) {
+    return std::string(kind) + " " + std::to_string(number) + ": ";
 }
 
 /// The largest coordinate, but for its sign, of what is in the scene.
@@ -176,7 +191,8 @@ void make_traceable(SceneData& scene) {
     check_not_committed(scene);
     // Embree reads 16 bytes from the last position.
     scene.positions.reserve(scene.positions.size() + 1);
-    scene.ray_tracer.emplace(scene.positions, scene.indices, scene.triangles, reach_of(scene));
+    scene.ray_tracer.emplace(scene.positions, scene.indices, scene.triangles, reach_of(scene),
+                             scene.has_cut_outs ? &scene : nullptr);
 }
 
 Scene::Scene() : data_(std::make_unique<SceneData>()) {
@@ -202,7 +218,10 @@ MaterialId Scene::add_material(const Material& material) {
     check::in_unit_range(name + "base_color.z", material.base_color.z);
     check::in_unit_range(name + "metallic", material.metallic);
     check::in_unit_range(name + "roughness", material.roughness);
+    check::in_unit_range(name + "opacity", material.opacity);
+    check::in_unit_range(name + "opacity_threshold", material.opacity_threshold);
     check_reflectance(name + "base_color_texture", material.base_color_texture, data_->textures);
+    check_reflectance(name + "opacity_texture", material.opacity_texture, data_->textures);
     check_reflectance(name + "metallic_roughness_texture", material.metallic_roughness_texture,
                       data_->textures);
     data_->materials.push_back(material);
@@ -229,6 +248,11 @@ MeshId Scene::add_mesh(const Mesh& mesh) {
         record.first_uv = static_cast<std::uint32_t>(s.uvs.size());
         for (const float2 uv : mesh.uvs) s.uvs.emplace_back(uv.x, uv.y);
     }
+    if (!mesh.colors.empty()) {
+        record.first_color = static_cast<std::uint32_t>(s.colors.size());
+        for (const float3 c : mesh.colors) s.colors.push_back(to_v3f(c));
+    }
+    s.has_cut_outs |= is_cut_out(s.materials[mesh.material]);
     for (const std::uint32_t i : mesh.indices) s.indices.push_back(record.first_position + i);
     s.meshes.push_back(record);
     s.triangles.resize(s.triangles.size() + mesh.indices.size() / 3, TriangleRecord{id, kNone});
@@ -238,9 +262,10 @@ MeshId Scene::add_mesh(const Mesh& mesh) {
 
 void Scene::add_point_light(float3 position, float3 intensity) {
     check_not_committed(*data_);
-    const std::string name = "light " + std::to_string(data_->lights.size()) + ", a point: ";
+    const std::string name = name_of("point light", data_->points);
     check::position(name + "position", position);
     check::radiometric(name + "intensity", intensity);
+    ++data_->points;
     data_->emitters.emplace_back(PointEmitter{to_v3f(position), to_v3f(intensity)});
     data_->lights.push_back(point_light(position, luminance(to_v3f(intensity))));
 }
@@ -248,7 +273,7 @@ void Scene::add_point_light(float3 position, float3 intensity) {
 void Scene::add_spot_light(float3 position, float3 direction, float3 intensity, float inner,
                            float outer) {
     check_not_committed(*data_);
-    const std::string name = "light " + std::to_string(data_->lights.size()) + ", a spot: ";
+    const std::string name = name_of("spot light", data_->spots);
     check::position(name + "position", position);
     check::finite(name + "direction", direction);
     check::radiometric(name + "intensity", intensity);
@@ -257,6 +282,7 @@ void Scene::add_spot_light(float3 position, float3 direction, float3 intensity, 
     if (!(inner >= 0.0f && inner <= outer && outer <= kPi)) {
         check::fail(name + "inner and outer", "are not 0 <= inner <= outer <= pi");
     }
+    ++data_->spots;
     data_->emitters.emplace_back(
         SpotEmitter{to_v3f(position), to_v3f(intensity), axis, versine(inner), versine(outer)});
     data_->lights.push_back(
@@ -265,11 +291,12 @@ void Scene::add_spot_light(float3 position, float3 direction, float3 intensity, 
 
 void Scene::add_directional_light(float3 direction, float3 irradiance) {
     check_not_committed(*data_);
-    const std::string name = "light " + std::to_string(data_->lights.size()) + ", directional: ";
+    const std::string name = name_of("directional light", data_->suns);
     check::finite(name + "direction", direction);
     check::radiometric(name + "irradiance", irradiance);
     const V3f axis = lightcull::direction(direction);
     if (axis == V3f(0.0f)) check::fail(name + "direction", "is 0");
+    ++data_->suns;
     data_->emitters.emplace_back(DirectionalEmitter{axis, to_v3f(irradiance)});
     data_->lights.push_back(directional_light(to_float3(axis), luminance(to_v3f(irradiance))));
 }
@@ -277,6 +304,7 @@ void Scene::add_directional_light(float3 direction, float3 irradiance) {
 void Scene::set_environment(Environment environment) {
     check_not_committed(*data_);
     check::texture("environment: map", environment.map);
+    if (environment.map.texels.empty()) check::fail("environment: map", "is not of float3");
     check::radiometric("environment: scale", environment.scale);
     check::finite("environment: rotation", environment.rotation);
     const V3f scale = to_v3f(environment.scale);
@@ -318,9 +346,9 @@ SceneMemory Scene::memory_size() const noexcept {
     SceneMemory memory;
     memory.data = size_of(s.materials) + size_of(s.meshes) + size_of(s.triangles) +
                   size_of(s.indices) + size_of(s.positions) + size_of(s.normals) + size_of(s.uvs) +
-                  size_of(s.emitters) + size_of(s.lights) + size_of(s.virtual_lights) +
-                  s.cuts.memory_size() + size_of(s.part_lights);
-    for (const Texture& texture : s.textures) memory.data += size_of(texture.texels);
+                  size_of(s.colors) + size_of(s.emitters) + size_of(s.lights) +
+                  size_of(s.virtual_lights) + s.cuts.memory_size() + size_of(s.part_lights);
+    for (const Texture& texture : s.textures) memory.data += lightcull::memory_size(texture);
     if (s.environment) memory.data += s.environment->memory_size();
     if (s.ray_tracer) memory.bvh = s.ray_tracer->memory_size();
     return memory;

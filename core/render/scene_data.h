@@ -13,6 +13,7 @@
 #include <lightcull/triangle_cuts.h>
 
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <optional>
 #include <vector>
@@ -26,24 +27,28 @@ struct MeshRecord {
     std::uint32_t first_position = 0;
     std::uint32_t first_normal = kNone;  ///< index of the first normal; kNone: no shading normals
     std::uint32_t first_uv = kNone;      ///< index of the first texture coordinates; kNone: none
+    std::uint32_t first_color = kNone;   ///< index of the first colour of a vertex; kNone: none
     TextureId emission_texture = kNoTexture;
 };
 
 struct SceneData {
-    std::vector<Texture> textures;
+    std::deque<Texture> textures;  ///< these stay where they are: texture_means looks at them
     std::map<TextureId, TextureMean> texture_means;  ///< means of those that emit, until commit()
     std::vector<Material> materials;
+    bool has_cut_outs = false;  ///< a mesh has a material that is_cut_out()
 
     std::vector<MeshRecord> meshes;
     std::vector<TriangleRecord> triangles;
     std::vector<std::uint32_t> indices;  ///< three per triangle, into positions
     std::vector<V3f> positions, normals;
     std::vector<V2f> uvs;
+    std::vector<V3f> colors;
 
     std::vector<Emitter> emitters;           ///< emitters, or parts of triangles that are cut
     std::vector<Light> lights;               ///< lights of the emitters, one each
     TriangleCuts cuts;                       ///< emissive triangles, cut or not, since commit()
     std::vector<std::uint32_t> part_lights;  ///< lights of the parts of those that are cut
+    std::size_t points = 0, spots = 0, suns = 0;  ///< numbers of such emitters
     std::size_t further_parts = 0;  ///< number of lights, the last ones, that are not a triangle's
                                     ///< first part
     std::vector<VirtualLight> virtual_lights;

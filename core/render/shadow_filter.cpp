@@ -1,5 +1,6 @@
 #include "render/shadow_filter.h"
 
+#include "render/cut_outs.h"
 #include "render/embree.h"
 
 #include <algorithm>
@@ -51,6 +52,11 @@ bool parts_ends(const Triangles& triangles, std::uint32_t triangle, const Ray& r
     return (start > 0.0) != (end > 0.0) && std::fabs(end) > abs(normal).dot(rounding);
 }
 
+Hit hit_of(const RTCFilterFunctionNArguments& hits, unsigned i) noexcept {
+    return {RTCHitN_primID(hits.hit, hits.N, i), RTCHitN_u(hits.hit, hits.N, i),
+            RTCHitN_v(hits.hit, hits.N, i)};
+}
+
 }  // namespace
 
 bool hides_end(const Triangles& triangles, std::uint32_t triangle, float distance,
@@ -64,6 +70,19 @@ bool hides_end(const Triangles& triangles, std::uint32_t triangle, float distanc
     return parts_ends(triangles, triangle, ray);
 }
 
+void filter_cut_outs(const RTCFilterFunctionNArguments* hits) {
+    const auto& triangles = *static_cast<const Triangles*>(hits->geometryUserPtr);
+    const unsigned count = hits->N;
+    for (unsigned i = 0; i < count; ++i) {
+        if (hits->valid[i] == 0) continue;
+        const V3f origin(RTCRayN_org_x(hits->ray, count, i), RTCRayN_org_y(hits->ray, count, i),
+                         RTCRayN_org_z(hits->ray, count, i));
+        const V3f direction(RTCRayN_dir_x(hits->ray, count, i), RTCRayN_dir_y(hits->ray, count, i),
+                            RTCRayN_dir_z(hits->ray, count, i));
+        if (!meets(*triangles.cut_outs, hit_of(*hits, i), origin, direction)) hits->valid[i] = 0;
+    }
+}
+
 void filter_shadow_hits(const RTCFilterFunctionNArguments* hits) {
     const auto& triangles = *static_cast<const Triangles*>(hits->geometryUserPtr);
     const Ray* const rays = embree::ShadowContext::of(*hits).rays;
@@ -72,7 +91,10 @@ void filter_shadow_hits(const RTCFilterFunctionNArguments* hits) {
         if (hits->valid[i] == 0) continue;
         const Ray& ray = rays[RTCRayN_id(hits->ray, count, i)];
         const float distance = RTCRayN_tfar(hits->ray, count, i) / triangles.distance_unit;
-        if (!hides_end(triangles, RTCHitN_primID(hits->hit, count, i), distance, ray)) {
+        const Hit hit = hit_of(*hits, i);
+        if (!hides_end(triangles, hit.triangle, distance, ray) ||
+            (triangles.cut_outs != nullptr &&
+             !meets(*triangles.cut_outs, hit, ray.origin, ray.direction))) {
             hits->valid[i] = 0;
         }
     }

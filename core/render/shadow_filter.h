@@ -10,12 +10,15 @@ struct RTCFilterFunctionNArguments;  // Embree's
 
 namespace lightcull {
 
+struct SceneData;
+
 /// The triangles of a scene: the user data of filter_shadow_hits().
 struct Triangles {
     const V3f* positions;
     const std::uint32_t* indices;  ///< three per triangle
     const TriangleRecord* records;
     float distance_unit;  ///< a distance along a ray as Embree has it, over that of the ray
+    const SceneData* cut_outs = nullptr;  ///< their scene, if some of them are cut out
 };
 
 /// Whether a triangle that a ray hits at `distance`, in lengths of its direction, lies before the
@@ -24,7 +27,10 @@ struct Triangles {
 bool hides_end(const Triangles& triangles, std::uint32_t triangle, float distance,
                const Ray& ray) noexcept;
 
-/// Embree's filter of the hits of shadow rays, with a ShadowContext: keeps those that hide the end.
+/// Embree's filter of hits: keeps those where a triangle is not cut out.
+void filter_cut_outs(const RTCFilterFunctionNArguments* hits);
+
+/// The same of shadow rays, with a ShadowContext: keeps those that hide the end, too.
 void filter_shadow_hits(const RTCFilterFunctionNArguments* hits);
 
 }  // namespace lightcull

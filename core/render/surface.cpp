@@ -25,6 +25,13 @@ V3f shading_normal(const SceneData& scene, const MeshRecord& mesh, const Hit& hi
     return cosine >= kMinCosine ? n : unit(n + outgoing * (kMinCosine - cosine));
 }
 
+V3f vertex_color(const SceneData& scene, const MeshRecord& mesh, const Hit& hit) noexcept {
+    const std::uint32_t shift = mesh.first_color - mesh.first_position;
+    return scene.colors[scene.corner(hit.triangle, 0) + shift] * (1.0f - hit.u - hit.v) +
+           scene.colors[scene.corner(hit.triangle, 1) + shift] * hit.u +
+           scene.colors[scene.corner(hit.triangle, 2) + shift] * hit.v;
+}
+
 Bsdf make_bsdf(const SceneData& scene, const MeshRecord& mesh, const Hit& hit, const V3f& normal,
                const V3f& outgoing) noexcept {
     const Material& m = scene.materials[mesh.material];
@@ -35,6 +42,7 @@ Bsdf make_bsdf(const SceneData& scene, const MeshRecord& mesh, const Hit& hit, c
         base_color *=
             V3f(std::min(texel.x, 1.0f), std::min(texel.y, 1.0f), std::min(texel.z, 1.0f));
     }
+    if (mesh.first_color != kNone) base_color *= vertex_color(scene, mesh, hit);
     if (m.kind == MaterialKind::kDiffuse) return Bsdf::diffuse(normal, outgoing, base_color);
 
     float metallic = m.metallic, roughness = m.roughness;

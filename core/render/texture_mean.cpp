@@ -1,5 +1,7 @@
 #include "render/texture_mean.h"
 
+#include "render/texture.h"
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -87,7 +89,7 @@ double integral_along(const V2d& from, const V2d& to, const Function& f) {
 }  // namespace
 
 TextureMean::TextureMean(const Texture& texture, Of of)
-    : texels_(texture.texels),
+    : texture_(&texture),
       of_(of),
       width_(texture.width),
       height_(texture.height),
@@ -162,8 +164,9 @@ TextureMean::Texels TextureMean::touched(const V2d& low, const V2d& high) const 
 }
 
 double TextureMean::texel(std::int64_t x, std::int64_t y) const noexcept {
-    const auto value =
-        static_cast<double>(luminance(to_v3f(texels_[static_cast<std::size_t>(y * width_ + x)])));
+    const V3f rgb =
+        lightcull::texel(*texture_, static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y));
+    const auto value = static_cast<double>(luminance(rgb));
     return of_ == Of::kSquare ? value * value : value;
 }
 

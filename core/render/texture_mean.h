@@ -19,7 +19,7 @@ class LIGHTCULL_CORE_EXPORT TextureMean {
   public:
     enum class Of { kLuminance, kSquare };
 
-    /// The texture's texels stay where they are. of: what of a texel the means are of.
+    /// The texture stays where it is. of: what of a texel the means are of.
     explicit TextureMean(const Texture& texture, Of of = Of::kLuminance);
 
     /// The mean of lookup(), of the luminances or their squares, over a triangle, or, for one
@@ -72,7 +72,7 @@ class LIGHTCULL_CORE_EXPORT TextureMean {
     bool any_lit(const Texels& texels) const noexcept;
     double mean_of(const Texels& texels) const noexcept;
 
-    Span<const float3> texels_;
+    const Texture* texture_;
     Of of_;
     std::int64_t width_, height_, sums_per_row_;
     double total_ = 0.0;     ///< sum over all texels

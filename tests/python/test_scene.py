@@ -38,7 +38,7 @@ def test_a_directional_light_is_a_light_and_part_of_the_digest() -> None:
     np.testing.assert_allclose(lights["axis"][2], [0, -1, 0], atol=1e-6)
     assert lights["intensity"][2] == pytest.approx(7 * (0.2126 + 0.7152) + 8 * 0.0722, rel=1e-4)
     assert scene.counts["directional lights"] == 1
-    with pytest.raises(lightcull.Error, match="light 2, directional: direction is 0"):
+    with pytest.raises(lightcull.Error, match="directional light 0: direction is 0"):
         make_room(lamps=1).add_directional_light((0, 0, 0), (1, 1, 1))
 
 

@@ -54,7 +54,8 @@ LightRay triangle_ray(const SceneData& scene, const TriangleEmitter& emitter,
     const float area = 0.5f * front.dot(triangle.edge1.cross(triangle.edge2));
     const float sides = triangle.two_sided ? 2.0f : 1.0f;
     return {{place, direction},
-            emitted(scene, emitter, in_whole.x, in_whole.y, normal) * (kPi * area * sides / pdf)};
+            emitted_on_average(scene, emitter, in_whole.x, in_whole.y, normal) *
+                (kPi * area * sides / pdf)};
 }
 
 /// The power of an emitter, W; radius: that of a sphere around the scene, which a sun lights.

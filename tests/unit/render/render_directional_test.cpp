@@ -154,7 +154,7 @@ TEST_CASE("a directional light that makes no sense is named by the scene") {
     Scene scene;
     scene.add_point_light({0, 0, 0}, {1, 1, 1});
     CHECK_THROWS_WITH_AS(scene.add_directional_light({0, 0, 0}, {1, 1, 1}),
-                         "light 1, directional: direction is 0", Error);
+                         "directional light 0: direction is 0", Error);
     CHECK_THROWS_AS(scene.add_directional_light({0, kInfinity, 0}, {1, 1, 1}), Error);
     CHECK_THROWS_AS(scene.add_directional_light({0, 1, 0}, {1, -1, 1}), Error);
     scene.add_directional_light({0, -3, 0}, {1, 1, 1});

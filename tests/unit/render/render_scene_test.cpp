@@ -116,28 +116,42 @@ TEST_CASE("textures, materials, lights, environments and cameras are checked") {
     CHECK(error_of([&] {
               scene.add_texture({2, 1, {{0, 0, 0}, {0, kNan, 0}}});
           }) == "texture 0: texels[1] is not finite");
+    Texture encoded{2, 1, {}};
+    encoded.texels8 = {1, 2, 3};
+    CHECK(error_of([&] { scene.add_texture(encoded); }) == "texture 0 has 1 texels, not 2 x 1");
+    encoded.channels = 2;
+    CHECK(error_of([&] { scene.add_texture(encoded); }) ==
+          "texture 0 has neither 1 nor 3 channels");
+    encoded = {1, 2, {{0, 0, 0}}};
+    encoded.channels = 1;
+    encoded.texels8 = {1};
+    CHECK(error_of([&] { scene.add_texture(encoded); }) == "texture 0 has texels of two kinds");
+    Environment sky = constant_environment(1.0f);
+    sky.map.texels.clear();
+    sky.map.texels8 = {1, 2, 3};
+    CHECK(error_of([&] { scene.set_environment(sky); }) == "environment: map is not of float3");
     CHECK(error_of([&] {
               scene.add_point_light({0, kNan, 0}, {1, 1, 1});
-          }) == "light 0, a point: position is not finite");
+          }) == "point light 0: position is not finite");
     CHECK(error_of([&] {
               scene.add_point_light({0, 0, 0}, {1, -1, 1});
-          }) == "light 0, a point: intensity is negative");
+          }) == "point light 0: intensity is negative");
     CHECK(error_of([&] {
               scene.add_spot_light({}, {}, {1, 1, 1}, 0.1f, 0.2f);
-          }) == "light 0, a spot: direction is 0");
+          }) == "spot light 0: direction is 0");
     CHECK(error_of([&] {
               scene.add_spot_light({}, {1, 0, 0}, {1, 1, 1}, 0.3f, 0.2f);
-          }) == "light 0, a spot: inner and outer are not 0 <= inner <= outer <= pi");
+          }) == "spot light 0: inner and outer are not 0 <= inner <= outer <= pi");
     CHECK(error_of([&] {
               scene.add_spot_light({0, kNan, 0}, {1, 0, 0}, {1, 1, 1}, 0.1f, 0.2f);
-          }) == "light 0, a spot: position is not finite");
+          }) == "spot light 0: position is not finite");
     CHECK(error_of([&] {
               scene.add_spot_light({}, {1, kNan, 0}, {1, 1, 1}, 0.1f, 0.2f);
-          }) == "light 0, a spot: direction is not finite");
+          }) == "spot light 0: direction is not finite");
     for (const float3 intensity : {float3{-1, 1, 1}, float3{1, 1, -1}}) {
         CHECK(error_of([&] {
                   scene.add_spot_light({}, {1, 0, 0}, intensity, 0.1f, 0.2f);
-              }) == "light 0, a spot: intensity is negative");
+              }) == "spot light 0: intensity is negative");
     }
     const auto environment_error = [&](float3 texel, float3 scale, float rotation) {
         return error_of([&] { scene.set_environment({{1, 1, {texel}}, scale, rotation}); });

@@ -131,9 +131,9 @@ TEST_CASE("emission that is kept apart is what paths of one edge find, to the bi
 TEST_CASE("positions that are too far out are refused by name") {
     Scene scene;
     CHECK_THROWS_WITH_AS(scene.add_point_light({2e15f, 0, 0}, {1, 1, 1}),
-                         "light 0, a point: position is above 1e15", Error);
+                         "point light 0: position is above 1e15", Error);
     CHECK_THROWS_WITH_AS(scene.add_spot_light({0, -2e15f, 0}, {1, 0, 0}, {1, 1, 1}, 0.1f, 0.2f),
-                         "light 0, a spot: position is above 1e15", Error);
+                         "spot light 0: position is above 1e15", Error);
     Camera camera;
     camera.target = {0, 0, 2e15f};
     CHECK_THROWS_WITH_AS(scene.set_camera(camera), "camera: target is above 1e15", Error);

@@ -15,6 +15,7 @@ using lightcull::RandomStream;
 using lightcull::Texture;
 using lightcull::TextureMean;
 using lightcull::V2f;
+using lightcull::V3f;
 
 namespace {
 
@@ -180,4 +181,54 @@ TEST_CASE("the mean of a texture's squares is at least the square of its mean") 
     const V2f a(0.1f, 0.2f), b(0.9f, 0.3f), c(0.4f, 0.8f);
     const auto nine = static_cast<double>(part_mean(even, TextureMean::Of::kSquare, a, b, c));
     CHECK(nine == doctest::Approx(9.0).epsilon(1e-5));
+}
+
+TEST_CASE("texels of 8 and 16 bits are what they stand for, and one channel is grey") {
+    const auto srgb = [](double x) {
+        return x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4);
+    };
+    for (const bool is_srgb : {true, false}) {
+        for (const int value : {0, 1, 10, 11, 77, 188, 254, 255}) {
+            const auto stands_for = [&](double x) { return is_srgb ? srgb(x) : x; };
+            Texture eight{1, 1, {}};
+            eight.is_srgb = is_srgb;
+            eight.texels8 = {static_cast<std::uint8_t>(value), 0, 255};
+            const V3f of_eight = lookup(eight, {0.5f, 0.5f});
+            CHECK(static_cast<double>(of_eight.x) ==
+                  doctest::Approx(stands_for(value / 255.0)).epsilon(1e-6));
+            CHECK(of_eight.y == 0.0f);
+            CHECK(of_eight.z == 1.0f);
+
+            Texture sixteen{1, 1, {}};
+            sixteen.is_srgb = is_srgb;
+            sixteen.channels = 1;
+            sixteen.texels16 = {static_cast<std::uint16_t>(257 * value + 3 * (value < 255))};
+            const double part = sixteen.texels16[0] / 65535.0;
+            const V3f of_sixteen = lookup(sixteen, {0.5f, 0.5f});
+            CHECK(static_cast<double>(of_sixteen.x) ==
+                  doctest::Approx(stands_for(part)).epsilon(1e-6));
+            CHECK(of_sixteen.y == of_sixteen.x);
+            CHECK(of_sixteen.z == of_sixteen.x);
+        }
+    }
+}
+
+TEST_CASE("texels of 8 bits are looked up, and have means, as the same ones of floats") {
+    RandomStream random(3);
+    Texture eight{13, 7, {}}, floats{13, 7, {}};
+    eight.is_srgb = false;
+    for (int i = 0; i < 13 * 7; ++i) {
+        float3 rgb{};
+        for (float* channel : {&rgb.x, &rgb.y, &rgb.z}) {
+            eight.texels8.push_back(static_cast<std::uint8_t>(256.0f * random.next()));
+            *channel = static_cast<float>(eight.texels8.back()) / 255.0f;
+        }
+        floats.texels.push_back(rgb);
+    }
+    for (int i = 0; i < 50; ++i) {
+        const V2f uv(4.0f * random.next() - 2.0f, 4.0f * random.next() - 2.0f);
+        const V2f p(random.next(), random.next()), q(random.next(), random.next());
+        CHECK((lookup(eight, uv) - lookup(floats, uv)).length() < 1e-6f);
+        CHECK(mean(eight, uv, p, q) == doctest::Approx(mean(floats, uv, p, q)).epsilon(1e-5));
+    }
 }

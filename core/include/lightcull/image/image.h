@@ -18,12 +18,25 @@ struct Image {
     std::vector<float3> pixels;           ///< width * height, row by row
 };
 
+/// An image as a file has it, but for its alpha: one of the arrays has its rows, the first at the
+/// top. 8 and 16 bits are not decoded, and of more, or of floats, the pixels are linear RGB.
+struct StoredImage {
+    std::uint32_t width = 0, height = 0;     ///< pixels
+    std::uint32_t channels = 3;              ///< of samples8 and samples16: 1, which is grey, or 3
+    std::vector<std::uint8_t> samples8{};    ///< width * height * channels
+    std::vector<std::uint16_t> samples16{};  ///< width * height * channels
+    std::vector<float3> pixels{};            ///< width * height
+};
+
 /// The type of a stored number. A half holds up to 65504: what lies beyond is stored as that.
 enum class PixelType { kHalf, kFloat };
 
 /// Reads any format that OpenImageIO knows. 8- and 16-bit images are taken as sRGB unless
 /// `linear_data` (roughness maps and the like). Throws Error with the path and the reason.
 LIGHTCULL_EXPORT Image read_image(const std::string& path, bool linear_data = false);
+
+/// The same, with 8 and 16 bits as they are: sRGB, or numbers.
+LIGHTCULL_EXPORT StoredImage read_stored_image(const std::string& path);
 
 /// Writes an OpenEXR file, with `metadata` as string attributes. The file appears whole or not at
 /// all. Throws Error with the path and the reason.

@@ -17,10 +17,16 @@ using MaterialId = std::uint32_t;
 using MeshId = std::uint32_t;
 inline constexpr std::uint32_t kNoTexture = 0xffffffffu;
 
-/// An image of linear RGB, looked up bilinearly and repeated. Row 0 is the top, v = 1.
+/// An image, looked up bilinearly as linear RGB and repeated. Row 0 is the top, v = 1. One of the
+/// three arrays has the texels, row by row: numbers as they are, or 8 or 16 bits to a channel.
 struct Texture {
     std::uint32_t width = 0, height = 0;
-    std::vector<float3> texels;  ///< width * height, row by row
+    std::vector<float3> texels;             ///< width * height, linear RGB
+    std::vector<std::uint8_t> texels8{};    ///< width * height * channels
+    std::vector<std::uint16_t> texels16{};  ///< width * height * channels
+    std::uint32_t channels = 3;             ///< of texels8 and texels16: 1, which is grey, or 3
+    bool is_srgb = true;  ///< texels8 and texels16 are encoded by sRGB; else they are numbers in
+                          ///< [0, 1], in parts of 255 or 65535
 };
 
 enum class MaterialKind { kDiffuse, kMetallicRoughness };
@@ -34,6 +40,12 @@ struct Material {
     float roughness = 1.0f;  ///< perceptual roughness, [0, 1]: alpha is its square, >= 1e-3
     TextureId base_color_texture = kNoTexture;
     TextureId metallic_roughness_texture = kNoTexture;  ///< green: roughness, blue: metallic
+    /// The probability with which a ray meets the surface, [0, 1]; else it goes on. What a surface
+    /// emits is cut out with it.
+    float opacity = 1.0f;
+    TextureId opacity_texture = kNoTexture;  ///< multiplies the opacity by its red
+    /// Above 0: a ray meets the surface where the opacity is at least this, and nowhere else.
+    float opacity_threshold = 0.0f;
 };
 
 /// What the triangles of a mesh emit: radiance * face_radiance[i] * texture(u, v), each of the
@@ -54,6 +66,8 @@ struct Mesh {
     Span<const float3> normals;         ///< shading normals, none or one per position; any
                                         ///< length, 0: the triangle's own
     Span<const float2> uvs;             ///< none or one per position
+    Span<const float3> colors;          ///< none or one per position: linear RGB in [0, 1], which
+                                        ///< multiplies the base colour
     MaterialId material = 0;
     Emission emission;
 };
