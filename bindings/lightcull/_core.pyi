@@ -1,4 +1,4 @@
-"""The compiled part. Arrays are C-contiguous; what each is, its users' docstrings say."""
+"""The compiled part. What arrays are, its users' docstrings say."""
 
 from collections.abc import Sequence
 from typing import Any, Final, Protocol
@@ -29,6 +29,16 @@ class Error(RuntimeError):
     """What lightcull throws: one line that names the thing at fault."""
 
 def read_image(path: str, linear_data: bool = False) -> np.ndarray: ...
+def read_stored_image(path: str) -> np.ndarray:
+    """uint8 or uint16 (H, W, 3) or (H, W) as in the file, else float32 (H, W, 3), linear RGB."""
+
+def read_obj(text: bytes, material_count: int, /) -> list[dict[str, Any]]:
+    """The meshes of an OBJ file, one for each material, and for each of having normals and texture
+    coordinates or not: "material" (-1: none), "positions" (N, 3), "indices" (M, 3), and "normals",
+    "uvs" and "colors" or None. In the text materials must have whole numbers below the count for
+    names.
+    """
+
 def write_exr(
     path: str, image: np.ndarray, half: bool = False, metadata: dict[str, str] = ...
 ) -> None: ...
@@ -71,7 +81,7 @@ class SceneMemory:
 
 class Scene:
     def __init__(self) -> None: ...
-    def add_texture(self, texels: np.ndarray, /) -> int: ...
+    def add_texture(self, texels: np.ndarray, linear_data: bool, /) -> int: ...
     def add_material(
         self,
         metallic_roughness: bool,
@@ -80,6 +90,9 @@ class Scene:
         roughness: float,
         base_color_texture: int,
         metallic_roughness_texture: int,
+        opacity: float,
+        opacity_texture: int,
+        opacity_threshold: float,
         /,
     ) -> int: ...
     def add_mesh(
@@ -89,6 +102,7 @@ class Scene:
         indices: np.ndarray,
         normals: np.ndarray | None,
         uvs: np.ndarray | None,
+        colors: np.ndarray | None,
         material: int,
         radiance: Any,
         face_radiance: np.ndarray | None,

@@ -18,15 +18,16 @@ from .scene_digest import SceneDigest
 Vector: TypeAlias = Sequence[float] | np.ndarray
 """Three numbers: metres, a direction, or linear RGB."""
 TextureSource: TypeAlias = str | os.PathLike[str] | np.ndarray
-"""Path of an image, or float32 (H, W, 3) linear RGB with row 0 at the top."""
+"""Path of an image, or an array of texels with row 0 at the top."""
 
 
 class Scene:
     """Geometry, materials, emitters and a camera, in metres, radians and linear RGB.
 
     Fill it, then render it. The first use (`render`, `lights`, a `LightSampler`) closes it: nothing
-    can be added from then on. Arrays must be C-contiguous float32, or uint32 for indices; another
-    dtype or shape is a TypeError, and values that make no sense are a `lightcull.Error`.
+    can be added from then on. Arrays are kept as float32, and indices as uint32; those of any other
+    real dtype, in any order in memory, are converted. Another shape is a TypeError, and values that
+    do not fit or make no sense are a `lightcull.Error`.
 
     >>> scene = Scene()
     >>> floor = np.array([[-5, 0, -5], [-5, 0, 5], [5, 0, 5], [5, 0, -5]], np.float32)
@@ -50,15 +51,17 @@ class Scene:
         self._counts["directional lights"] = self._counts["virtual lights"] = 0
 
     def add_texture(self, texels: TextureSource, *, linear_data: bool = False) -> int:
-        """Adds an image and returns its id, for materials and emission.
+        """Adds an image and returns its id, for materials and emission. It repeats.
 
-        texels: a path, or float32 (H, W, 3) linear RGB; row 0 is the top, v = 1. It repeats.
-        linear_data: of a path, that an 8-bit image holds numbers (roughness), not sRGB colours.
+        texels: a path, or floats (H, W, 3), linear RGB; or uint8 or uint16 (H, W, 3) or (H, W),
+        which stay what they are in memory. Row 0 is the top, v = 1. linear_data: 8 and 16 bits hold
+        numbers (roughness, opacity), parts of 255 or 65535, not sRGB colours.
         """
         if not isinstance(texels, np.ndarray):
-            texels = _core.read_image(checks.path("texture", texels), bool(linear_data))
-        texture = self._core.add_texture(texels)
-        self._digest.add("texture", texels)
+            texels = _core.read_stored_image(checks.path("texture", texels))
+        texture = self._core.add_texture(texels, bool(linear_data))
+        of_texels = (str(texels.dtype), texels.shape, np.ascontiguousarray(texels).data)
+        self._digest.add("texture", *of_texels, bool(linear_data))
         self._counts["textures"] += 1
         return texture
 
@@ -70,13 +73,18 @@ class Scene:
         roughness: float = 1.0,
         base_color_texture: int | None = None,
         metallic_roughness_texture: int | None = None,
+        opacity: float = 1.0,
+        opacity_texture: int | None = None,
+        opacity_threshold: float = 0.0,
     ) -> int:
         """Adds a material, which reflects on both sides, and returns its id.
 
         kind: "diffuse", or "metallic_roughness", which is that of glTF 2.0: GGX, F0 0.04.
         base_color: linear RGB in [0, 1]; metallic, roughness (perceptual: alpha is its square):
         [0, 1]. Textures multiply them; of metallic_roughness_texture green is the roughness and
-        blue the metalness.
+        blue the metalness. opacity in [0, 1], times the red of its texture: the probability with
+        which a ray meets the surface, and what it emits; else it goes on. With an opacity_threshold
+        above 0 the ray meets it where the opacity is at least that, and only there.
         """
         if kind not in ("diffuse", "metallic_roughness"):
             raise Error(f"material: kind {kind!r} is neither 'diffuse' nor 'metallic_roughness'")
@@ -87,6 +95,9 @@ class Scene:
             checks.number("roughness", roughness),
             _texture_id("base_color_texture", base_color_texture),
             _texture_id("metallic_roughness_texture", metallic_roughness_texture),
+            checks.number("opacity", opacity),
+            _texture_id("opacity_texture", opacity_texture),
+            checks.number("opacity_threshold", opacity_threshold),
         )
         material = self._core.add_material(*parameters)
         self._digest.add("material", *parameters)
@@ -100,19 +111,20 @@ class Scene:
         *,
         normals: np.ndarray | None = None,
         uvs: np.ndarray | None = None,
+        colors: np.ndarray | None = None,
         material: int | None = None,
         name: str = "",
     ) -> int:
         """Adds triangles that reflect and returns the id of the mesh.
 
-        positions: float32 (N, 3), metres. indices: uint32 (M, 3). normals: float32 (N, 3), for
-        shading; none: flat. uvs: float32 (N, 2), v upwards. material: an id of `add_material`;
-        none: diffuse, grey of 0.5. name: for messages.
+        positions: (N, 3), metres. indices: (M, 3). normals: (N, 3), for shading; none: flat. uvs:
+        (N, 2), v upwards. colors: (N, 3), linear RGB in [0, 1], which multiplies the base colour.
+        material: an id of `add_material`; none: diffuse, grey of 0.5. name: for messages.
         """
         if material is None:
             material = self._default_material(0.5)
         no_emission = ((0.0, 0.0, 0.0), None, _core.NO_TEXTURE, False)
-        return self._add_mesh(name, positions, indices, normals, uvs, material, no_emission)
+        return self._add_mesh(name, positions, indices, normals, uvs, colors, material, no_emission)
 
     def add_light_mesh(
         self,
@@ -124,13 +136,14 @@ class Scene:
         texture: int | None = None,
         normals: np.ndarray | None = None,
         uvs: np.ndarray | None = None,
+        colors: np.ndarray | None = None,
         material: int | None = None,
         name: str = "",
     ) -> int:
         """Adds triangles that emit, each of them a light or, if need be, several, and returns the
         id of the mesh.
 
-        radiance: linear RGB, W/(m^2 sr); for all, or float32 (M, 3), one for each triangle.
+        radiance: linear RGB, W/(m^2 sr); for all, or (M, 3), one for each triangle.
         two_sided: emits from the back too; the front is where corners run anticlockwise.
         texture: an id of `add_texture` that multiplies the radiance. material: how it reflects;
         none: not at all. The rest as in `add_mesh`.
@@ -144,7 +157,7 @@ class Scene:
             _texture_id("texture", texture),
             bool(two_sided),
         )
-        return self._add_mesh(name, positions, indices, normals, uvs, material, emission)
+        return self._add_mesh(name, positions, indices, normals, uvs, colors, material, emission)
 
     def add_point_light(self, position: Vector, intensity: Vector) -> None:
         """Adds a point that emits in all directions. intensity: linear RGB, W/sr."""
@@ -202,7 +215,7 @@ class Scene:
         """Surrounds the scene by light from infinity, W/(m^2 sr).
 
         map_or_rgb: linear RGB, or a latitude-longitude map with +Y up and -Z in the middle: a path,
-        or float32 (H, W, 3). scale: one number or three, which multiply it. rotation: radians
+        or floats (H, W, 3). scale: one number or three, which multiply it. rotation: radians
         about +Y.
         """
         texels = _environment_texels(map_or_rgb)
@@ -290,12 +303,13 @@ class Scene:
         indices: np.ndarray,
         normals: np.ndarray | None,
         uvs: np.ndarray | None,
+        colors: np.ndarray | None,
         material: int,
         emission: tuple[Any, Any, int, bool],
     ) -> int:
         checks.text("name", name)
         checks.whole_number("material", material)
-        parameters = (name, positions, indices, normals, uvs, material, *emission)
+        parameters = (name, positions, indices, normals, uvs, colors, material, *emission)
         mesh = self._core.add_mesh(*parameters)
         self._digest.add("mesh", *parameters)
         self._counts["meshes"] += 1
@@ -305,7 +319,7 @@ class Scene:
     def _include(self, positions: np.ndarray) -> None:
         if len(positions) == 0:
             return
-        corners = [positions.min(axis=0), positions.max(axis=0)]
+        corners = [positions.min(axis=0).astype(np.float32), positions.max(axis=0).astype(np.float32)]
         if self._bounds is not None:
             corners = [
                 np.minimum(corners[0], self._bounds[0]),

@@ -8,6 +8,11 @@ from typing import Any
 import numpy as np
 
 
+def _as_kept(array: np.ndarray) -> np.ndarray:
+    """What a scene keeps of an array: numbers and indices of 32 bits."""
+    return array.astype(np.float32 if array.dtype.kind == "f" else np.uint32, copy=False)
+
+
 class SceneDigest:
     """Hashes all that is added to a scene, in its order."""
 
@@ -20,7 +25,9 @@ class SceneDigest:
         for parameter in parameters:
             if isinstance(parameter, np.ndarray):
                 self._hash.update(repr(parameter.shape).encode())
-                self._hash.update(np.ascontiguousarray(parameter).tobytes())
+                self._hash.update(np.ascontiguousarray(_as_kept(parameter)).data)
+            elif isinstance(parameter, memoryview):
+                self._hash.update(parameter)
             else:
                 self._hash.update(repr(parameter).encode())
             self._hash.update(b";")

@@ -1,5 +1,9 @@
 #include "arrays.h"
 
+#include <lightcull/error.h>
+
+#include <pybind11/stl.h>
+
 #include <algorithm>
 #include <cstdint>
 
@@ -23,15 +27,16 @@ std::string description_of(const py::handle& array) {
            std::string(py::str(array.attr("shape")));
 }
 
-[[noreturn]] void throw_type_error(const py::handle& array, const char* name, const ArraySpec& spec,
-                                   const char* remark) {
-    const std::string dtype =
-        py::hasattr(spec.dtype, "names") && !spec.dtype.attr("names").is_none()
-            ? "structured"
-            : std::string(py::str(spec.dtype));
-    const char* const order = spec.any_stride ? "an aligned " : "a C-contiguous ";
-    throw py::type_error(std::string(name) + ": wanted " + order + dtype + " array of shape " +
-                         shape_text(spec.shape) + ", got " + description_of(array) + remark);
+bool is_record(const py::object& dtype) {
+    return !dtype.attr("names").is_none();
+}
+
+[[noreturn]] void throw_type_error(const py::handle& array, const char* name,
+                                   const ArraySpec& spec) {
+    const std::string wanted = is_record(spec.dtype) ? "records" : std::string(py::str(spec.dtype));
+    throw py::type_error(std::string(name) + ": wanted an array of shape " +
+                         shape_text(spec.shape) + " for " + wanted + ", got " +
+                         description_of(array));
 }
 
 bool matches(const std::vector<py::ssize_t>& shape, const std::vector<py::ssize_t>& wanted) {
@@ -50,9 +55,8 @@ bool is_contiguous(const py::buffer_info& info) {
 
 /// True if the data are aligned: records are made of numbers of 4 bytes.
 bool is_aligned(const py::buffer_info& info, const py::object& dtype) {
-    const bool is_record = !dtype.attr("names").is_none();
     const std::uintptr_t alignment =
-        is_record ? alignof(float) : static_cast<std::uintptr_t>(info.itemsize);
+        is_record(dtype) ? alignof(float) : static_cast<std::uintptr_t>(info.itemsize);
     const auto is_multiple = [&](py::ssize_t stride) {
         return static_cast<std::uintptr_t>(stride) % alignment == 0;
     };
@@ -60,19 +64,55 @@ bool is_aligned(const py::buffer_info& info, const py::object& dtype) {
            std::all_of(info.strides.begin(), info.strides.end(), is_multiple);
 }
 
+/// Throws Error if a number was not kept by a conversion: to a float that is infinite, or to
+/// another whole number.
+void check_conversion(const py::handle& from, const py::object& to, const char* name) {
+    const py::module_ numpy = py::module_::import("numpy");
+    const bool to_floats = std::string(py::str(to.attr("dtype").attr("kind"))) == "f";
+    const py::object lost =
+        to_floats ? numpy.attr("logical_and")(numpy.attr("isinf")(to), numpy.attr("isfinite")(from))
+                  : numpy.attr("not_equal")(to, from);
+    if (!py::bool_(lost.attr("any")())) return;
+    const py::tuple place(numpy.attr("argwhere")(lost).attr("__getitem__")(0).attr("tolist")());
+    std::string index;
+    for (const py::handle i : place) index += "[" + std::string(py::str(i)) + "]";
+    throw Error(std::string(name) + index + " is " + std::string(py::str(from[place])) +
+                ", which " + std::string(py::str(to.attr("dtype"))) + " does not hold");
+}
+
+/// A copy of an array of another dtype, or in another order, as it is wanted.
+py::object converted(const py::handle& array, const char* name, const ArraySpec& spec) {
+    const py::module_ numpy = py::module_::import("numpy");
+    const py::object dtype = array.attr("dtype");
+    const bool same = dtype.equal(spec.dtype);
+    const std::string kind = py::str(dtype.attr("kind"));
+    const bool is_real = kind == "f" || kind == "i" || kind == "u";
+    if (!same && (is_record(spec.dtype) || !is_real)) throw_type_error(array, name, spec);
+    const py::object quiet = numpy.attr("errstate")(py::arg("all") = "ignore");
+    quiet.attr("__enter__")();
+    const py::object copy =
+        numpy.attr("array")(array, py::arg("dtype") = spec.dtype, py::arg("order") = "C");
+    quiet.attr("__exit__")(py::none(), py::none(), py::none());
+    if (!same) check_conversion(array, copy, name);
+    return copy;
+}
+
 }  // namespace
 
 py::buffer_info read_array(const py::handle& array, const char* name, const ArraySpec& spec) {
-    if (!py::hasattr(array, "dtype") || PyObject_CheckBuffer(array.ptr()) == 0 ||
-        !py::object(array.attr("dtype")).equal(spec.dtype))
-        throw_type_error(array, name, spec, "");
-    py::buffer_info info = py::reinterpret_borrow<py::buffer>(array).request();
-    if (!matches(info.shape, spec.shape)) throw_type_error(array, name, spec, "");
-    if (info.size > 0 && !spec.any_stride && !is_contiguous(info))
-        throw_type_error(array, name, spec, " that is not C-contiguous");
-    if (info.size > 0 && !is_aligned(info, spec.dtype))
-        throw_type_error(array, name, spec, " that is not aligned");
-    return info;
+    if (!py::hasattr(array, "dtype") || PyObject_CheckBuffer(array.ptr()) == 0)
+        throw_type_error(array, name, spec);
+    const auto request = [](const py::handle& from) {
+        return py::reinterpret_borrow<py::buffer>(from).request();
+    };
+    const auto shape = array.attr("shape").cast<std::vector<py::ssize_t>>();
+    if (!matches(shape, spec.shape)) throw_type_error(array, name, spec);
+    if (py::object(array.attr("dtype")).equal(spec.dtype)) {
+        py::buffer_info info = request(array);
+        const bool in_order = spec.any_stride || is_contiguous(info);
+        if (info.size == 0 || (in_order && is_aligned(info, spec.dtype))) return info;
+    }
+    return request(converted(array, name, spec));
 }
 
 py::object numpy_dtype(const py::object& description) {
@@ -84,8 +124,11 @@ py::object new_array(const py::tuple& shape, const py::object& dtype) {
 }
 
 Image image_from_array(const py::object& array, const char* name) {
-    const py::buffer_info info =
-        read_array(array, name, {numpy_dtype(py::str("float32")), {-1, -1, 3}});
+    const ArraySpec spec{numpy_dtype(py::str("float32")), {-1, -1, 3}};
+    const bool is_float = py::hasattr(array, "dtype") &&
+                          std::string(py::str(array.attr("dtype").attr("kind"))) == "f";
+    if (!is_float) throw_type_error(array, name, spec);
+    const py::buffer_info info = read_array(array, name, spec);
     const auto* pixels = static_cast<const float3*>(info.ptr);
     return {static_cast<std::uint32_t>(info.shape[1]), static_cast<std::uint32_t>(info.shape[0]),
             std::vector<float3>(pixels, pixels + info.size / 3)};

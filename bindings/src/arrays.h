@@ -19,15 +19,17 @@ namespace lightcull::python {
 
 namespace py = pybind11;
 
-/// The properties that an array argument must have. -1 in the shape stands for any length.
+/// The properties that an array is wanted to have. -1 in the shape stands for any length.
 struct ArraySpec {
     py::object dtype;
     std::vector<py::ssize_t> shape;
     bool any_stride = false;  ///< the elements need not follow each other in memory
 };
 
-/// Reads an array without copying it. Throws TypeError, with what was wanted and what came, unless
-/// it is a NumPy array as specified, C-contiguous unless any stride will do.
+/// Reads an array as specified, C-contiguous unless any stride will do: without copying it where it
+/// is that, else a copy. Throws TypeError, with what was wanted and what came, for another shape,
+/// and for what is no array of real numbers (of records, where the specified dtype is one); Error
+/// for a number that the specified dtype does not hold.
 py::buffer_info read_array(const py::handle& array, const char* name, const ArraySpec& spec);
 
 /// The same as numpy.dtype(description).
@@ -101,7 +103,7 @@ Span<T> elements(const py::object& array) {
             static_cast<std::size_t>(info.size * info.itemsize) / sizeof(T)};
 }
 
-/// An image from an array float32 (H, W, 3), row 0 at the top.
+/// An image from an array of floats (H, W, 3), row 0 at the top.
 Image image_from_array(const py::object& array, const char* name);
 py::object array_from_image(Span<const float3> pixels, std::uint32_t width, std::uint32_t height);
 

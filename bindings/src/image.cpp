@@ -6,6 +6,8 @@
 
 #include <pybind11/stl.h>
 
+#include <algorithm>
+
 namespace lightcull::python {
 namespace {
 
@@ -17,6 +19,26 @@ py::object read(const std::string& path, bool linear_data) {
         const py::gil_scoped_release release;
         image = read_image(path, linear_data);
     }
+    return array_from_image(image.pixels, image.width, image.height);
+}
+
+template <typename T>
+py::object array_of(const std::vector<T>& samples, const StoredImage& image, const char* dtype) {
+    py::tuple shape = py::make_tuple(image.height, image.width);
+    if (image.channels == 3) shape = py::make_tuple(image.height, image.width, 3);
+    py::object array = new_array(shape, numpy_dtype(py::str(dtype)));
+    std::copy(samples.begin(), samples.end(), elements<T>(array).begin());
+    return array;
+}
+
+py::object read_stored(const std::string& path) {
+    StoredImage image;
+    {
+        const py::gil_scoped_release release;
+        image = read_stored_image(path);
+    }
+    if (!image.samples8.empty()) return array_of(image.samples8, image, "uint8");
+    if (!image.samples16.empty()) return array_of(image.samples16, image, "uint16");
     return array_from_image(image.pixels, image.width, image.height);
 }
 
@@ -52,6 +74,7 @@ void write_file(const std::string& path, const py::bytes& bytes) {
 
 void bind_image(py::module_& module) {
     module.def("read_image", &read, py::arg("path"), py::arg("linear_data") = false);
+    module.def("read_stored_image", &read_stored, py::arg("path"));
     module.def("write_exr", &write_exr_array, py::arg("path"), py::arg("image"),
                py::arg("half") = false, py::arg("metadata") = Metadata());
     module.def("write_png", &write_png_array, py::arg("path"), py::arg("image"),

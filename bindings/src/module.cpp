@@ -6,6 +6,7 @@ PYBIND11_MODULE(_core, module) {
     module.doc() = "The compiled part of lightcull. Use the package `lightcull`.";
     pybind11::register_exception<lightcull::Error>(module, "Error", PyExc_RuntimeError);
     lightcull::python::bind_image(module);
+    lightcull::python::bind_obj(module);
     lightcull::python::bind_scene(module);
     lightcull::python::bind_sampler(module);
     lightcull::python::bind_renderer(module);

@@ -11,14 +11,46 @@
 namespace lightcull::python {
 namespace {
 
-Texture texture_from_array(const py::object& texels, const char* name) {
+Texture map_from_array(const py::object& texels, const char* name) {
     Image image = image_from_array(texels, name);
-    return {image.width, image.height, std::move(image.pixels)};
+    Texture texture;
+    texture.width = image.width;
+    texture.height = image.height;
+    texture.texels = std::move(image.pixels);
+    return texture;
+}
+
+/// The elements of an array of 8 or 16 bits, grey (H, W) or RGB (H, W, 3).
+template <typename T>
+std::vector<T> read_texels(const py::object& texels, const char* dtype, Texture& texture) {
+    ArraySpec spec{numpy_dtype(py::str(dtype)), {-1, -1, 3}};
+    const bool is_grey = py::len(texels.attr("shape")) == 2;
+    if (is_grey) spec.shape.pop_back();
+    const py::buffer_info info = read_array(texels, "texture", spec);
+    texture.height = static_cast<std::uint32_t>(info.shape[0]);
+    texture.width = static_cast<std::uint32_t>(info.shape[1]);
+    texture.channels = is_grey ? 1 : 3;
+    const auto* const first = static_cast<const T*>(info.ptr);
+    return std::vector<T>(first, first + info.size);
+}
+
+TextureId add_texture(Scene& scene, const py::object& texels, bool linear_data) {
+    const std::string dtype =
+        py::hasattr(texels, "dtype") ? std::string(py::str(texels.attr("dtype"))) : "";
+    if (dtype != "uint8" && dtype != "uint16") {
+        return scene.add_texture(map_from_array(texels, "texture"));
+    }
+    Texture texture;
+    texture.is_srgb = !linear_data;
+    if (dtype == "uint8") texture.texels8 = read_texels<std::uint8_t>(texels, "uint8", texture);
+    if (dtype == "uint16") texture.texels16 = read_texels<std::uint16_t>(texels, "uint16", texture);
+    return scene.add_texture(std::move(texture));
 }
 
 MaterialId add_material(Scene& scene, bool metallic_roughness, const py::object& base_color,
                         float metallic, float roughness, TextureId base_color_texture,
-                        TextureId metallic_roughness_texture) {
+                        TextureId metallic_roughness_texture, float opacity,
+                        TextureId opacity_texture, float opacity_threshold) {
     Material material;
     material.kind = metallic_roughness ? MaterialKind::kMetallicRoughness : MaterialKind::kDiffuse;
     material.base_color = float3_from(base_color, "base_color");
@@ -26,17 +58,21 @@ MaterialId add_material(Scene& scene, bool metallic_roughness, const py::object&
     material.roughness = roughness;
     material.base_color_texture = base_color_texture;
     material.metallic_roughness_texture = metallic_roughness_texture;
+    material.opacity = opacity;
+    material.opacity_texture = opacity_texture;
+    material.opacity_threshold = opacity_threshold;
     return scene.add_material(material);
 }
 
 MeshId add_mesh(Scene& scene, const std::string& name, const py::object& positions,
                 const py::object& indices, const py::object& normals, const py::object& uvs,
-                MaterialId material, const py::object& radiance, const py::object& face_radiance,
-                TextureId texture, bool two_sided) {
+                const py::object& colors, MaterialId material, const py::object& radiance,
+                const py::object& face_radiance, TextureId texture, bool two_sided) {
     const Rows<float3> position_rows(positions, "positions");
     const Rows<Triangle> triangles(indices, "indices");
     const auto normal_rows = Rows<float3>::optional(normals, "normals", position_rows.size());
     const auto uv_rows = Rows<float2>::optional(uvs, "uvs", position_rows.size());
+    const auto color_rows = Rows<float3>::optional(colors, "colors", position_rows.size());
     const auto face_rows = Rows<float3>::optional(face_radiance, "radiance", triangles.size());
 
     Mesh mesh;
@@ -46,6 +82,7 @@ MeshId add_mesh(Scene& scene, const std::string& name, const py::object& positio
         mesh.indices = {triangles.span().data()->data(), triangles.span().size() * 3};
     mesh.normals = normal_rows.span();
     mesh.uvs = uv_rows.span();
+    mesh.colors = color_rows.span();
     mesh.material = material;
     mesh.emission.radiance = float3_from(radiance, "radiance");
     mesh.emission.face_radiance = face_rows.span();
@@ -62,7 +99,7 @@ void add_spot_light(Scene& scene, const py::object& position, const py::object& 
 
 void set_environment(Scene& scene, const py::object& map, const py::object& scale, float rotation) {
     scene.set_environment(
-        {texture_from_array(map, "environment"), float3_from(scale, "scale"), rotation});
+        {map_from_array(map, "environment"), float3_from(scale, "scale"), rotation});
 }
 
 void set_camera(Scene& scene, const py::object& origin, const py::object& target,
@@ -94,10 +131,7 @@ void bind_scene(py::module_& module) {
         .def_readonly("bvh", &SceneMemory::bvh);
     py::class_<Scene, std::shared_ptr<Scene>>(module, "Scene")
         .def(py::init<>())
-        .def("add_texture",
-             [](Scene& scene, const py::object& texels) {
-                 return scene.add_texture(texture_from_array(texels, "texture"));
-             })
+        .def("add_texture", &add_texture)
         .def("add_material", &add_material)
         .def("add_mesh", &add_mesh)
         .def("add_point_light",

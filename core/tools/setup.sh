@@ -14,6 +14,7 @@ venv=$build/venv
 packages=(
     ca-certificates cmake g++ ninja-build pkgconf python3 python3-dev python3-venv
     libembree-dev libhwy-dev libimath-dev libopencolorio-dev libopenimageio-dev libtbb-dev
+    libtinyobjloader-dev
     glslc libvulkan-dev
 )
 requirement_groups=(build run)
@@ -23,7 +24,7 @@ if [[ ${1:-} == --tests ]]; then
     packages+=(doctest-dev libbenchmark-dev)
     # A Vulkan device without a GPU, and what checks the use of it.
     packages+=(mesa-vulkan-drivers vulkan-validationlayers libspirv-cross-c-shared-dev)
-    requirement_groups+=(mitsuba test)
+    requirement_groups+=(mitsuba test usd)
 fi
 
 # What could be neither found nor installed; named once it was missed, and again if that is fatal.

@@ -8,15 +8,14 @@ from pathlib import Path
 
 import fuzz_counters
 import lightcull
-import trimesh
 
-_FOLDERS = (str(Path(lightcull.__file__).parent), str(Path(trimesh.__file__).parent))
+_FOLDER = str(Path(lightcull.__file__).parent)
 _PATH = Path(tempfile.mkdtemp()) / f"scene{os.environ['FUZZ_ENDING']}"
 warnings.simplefilter("ignore")
 
 
 def _trace(frame, event, argument):
-    if not frame.f_code.co_filename.startswith(_FOLDERS):
+    if not frame.f_code.co_filename.startswith(_FOLDER):
         return None
     if event == "line":
         fuzz_counters.count(hash((frame.f_code.co_name, frame.f_lineno)))

@@ -12,7 +12,10 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
-_TYPES = {np.dtype(np.float32): 5126, np.dtype(np.uint32): 5125, np.dtype(np.uint8): 5121}
+_TYPES = {
+    np.dtype(np.int8): 5120, np.dtype(np.uint8): 5121, np.dtype(np.int16): 5122,
+    np.dtype(np.uint16): 5123, np.dtype(np.uint32): 5125, np.dtype(np.float32): 5126,
+}  # fmt: skip
 _SHAPES = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4"}
 
 
@@ -29,17 +32,21 @@ class GltfFile:
         things.append(thing)
         return len(things) - 1
 
-    def accessor(self, values: np.ndarray) -> int:
-        columns = 1 if values.ndim == 1 else values.shape[1]
-        return self.add(
-            "accessors",
-            {
-                "bufferView": self.view(values.tobytes()),
-                "componentType": _TYPES[values.dtype],
-                "count": len(values),
-                "type": _SHAPES[columns],
-            },
-        )
+    def accessor(
+        self, values: np.ndarray, *, columns: int | None = None, normalized: bool = False
+    ) -> int:
+        """columns: how many of those of the array count, if not all; what follows pads a row."""
+        given = 1 if values.ndim == 1 else values.shape[1]
+        view = self.view(values.tobytes())
+        if columns is not None:
+            self.document["bufferViews"][view]["byteStride"] = values.strides[0]
+        accessor = {
+            "bufferView": view,
+            "componentType": _TYPES[values.dtype],
+            "count": len(values),
+            "type": _SHAPES[columns or given],
+        }
+        return self.add("accessors", {**accessor, "normalized": True} if normalized else accessor)
 
     def view(self, data: bytes) -> int:
         offset = len(self.data)
@@ -47,7 +54,7 @@ class GltfFile:
         return self.add("bufferViews", {"buffer": 0, "byteOffset": offset, "byteLength": len(data)})
 
     def texture(self, pixels: np.ndarray) -> dict[str, int]:
-        """From uint8 (H, W, 3), as PNG."""
+        """From uint8 (H, W, 3) or, with alpha, (H, W, 4), as PNG."""
         stream = io.BytesIO()
         Image.fromarray(pixels).save(stream, "png")
         view = self.view(stream.getvalue())

@@ -440,13 +440,13 @@ def test_other_files_that_a_file_names(tmp_path: Path) -> None:
         ("gone.png", "missing file 'gone.png'"),
         ("none.png", "image 'none.png' that cannot be read"),
         ("pipe.png", "missing file 'pipe.png'"),
-        ("../gone.png", "file '../gone.png', which is outside|missing file '../gone.png'"),
-        ("cut.png", "cannot read: image file is truncated"),
+        ("../gone.png", "missing file '../gone.png'"),
+        ("cut.png", "image 'cut.png' that cannot be read"),
     ):
         for path in (obj_with(tmp_path, image), ply_with(tmp_path, image)):
             with warnings.catch_warnings():
                 warnings.simplefilter("error")
-                with pytest.raises((lightcull.UnsupportedWarning, lightcull.Error), match=message):
+                with pytest.raises(lightcull.UnsupportedWarning, match=message):
                     lightcull.load(path)
 
 
@@ -485,7 +485,7 @@ def test_a_ply_that_promises_more_than_it_has(tmp_path: Path, vertices: int, bin
         warnings.simplefilter("ignore")
         assert lightcull.load(path).triangle_count == 1
     write(vertices)
-    said = "PLY is unexpected length" if binary else f"promises {vertices + 1} rows, and there are 4"
+    said = "promises (5|2147483648) rows of 'vertex', and there are fewer"
     with pytest.raises(lightcull.Error, match=f"a.ply: cannot be read: .*{said}"):
         lightcull.load(path)
 

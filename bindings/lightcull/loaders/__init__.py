@@ -16,8 +16,10 @@ from .. import checks, scenes
 from .._core import Error
 from ..scene import Scene
 from .gltf import LightUnit, fill_from_gltf
-from .obj_ply import fill_from_obj, fill_from_ply
+from .obj import fill_from_obj
+from .ply import fill_from_ply
 from .unsupported import Notes, UnsupportedWarning
+from .usd import fill_from_usd
 
 __all__ = ["UnsupportedWarning", "example_scene", "load", "open_scene"]
 
@@ -26,6 +28,7 @@ _LOADERS: dict[str, Callable[[Path, Scene, Notes], None]] = {
     ".gltf": fill_from_gltf,
     ".obj": fill_from_obj,
     ".ply": fill_from_ply,
+    **dict.fromkeys((".usd", ".usda", ".usdc", ".usdz"), fill_from_usd),
 }
 
 
@@ -55,11 +58,16 @@ def load(path: str | os.PathLike[str], *, gltf_lights: LightUnit | None = None) 
     _check_file(path)
     scene, notes = Scene(path.stem), Notes()
     try:
-        fill(path, scene, notes)
+        with warnings.catch_warnings(), np.errstate(all="ignore"):
+            warnings.simplefilter("ignore")  # what libraries say is for us
+            fill(path, scene, notes)
     except Error as error:
-        raise Error(f"{path}: {' '.join(str(error).split())}") from error
+        raise Error(f"{path}: {' '.join(str(error).split())[:300]}") from error
+    except MemoryError as error:
+        raise Error(f"{path}: does not fit into memory") from error
     if scene.triangle_count == 0:
-        raise Error(f"{path}: holds no triangles")
+        left_out = notes.left_out_text()
+        raise Error(f"{path}: holds no triangles" + (f"; {left_out}" if left_out else ""))
     _complete(scene, notes)
     if message := notes.message():
         warnings.warn(f"{path}: {message}", UnsupportedWarning, stacklevel=2)
