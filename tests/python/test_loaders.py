@@ -430,7 +430,7 @@ def test_gltf_image_that_cannot_be_read(tmp_path: Path) -> None:
         (
             "a.gltf",
             b'{"nodes": [{"mesh": 0}], "meshes": [{}]}',
-            "a.gltf: its JSON makes no sense: KeyError: 'primitives'",
+            "a.gltf: makes no sense: KeyError: 'primitives'",
         ),
         ("a.gltf", b'{"asset": {"version": "1.0"}}', "a.gltf: is glTF 1.0, and only glTF 2.0 is read"),
         ("a.gltf", b'{"asset": {"version": "2.0"}}', "a.gltf: holds no triangles"),

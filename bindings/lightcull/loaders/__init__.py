@@ -31,6 +31,9 @@ _LOADERS: dict[str, Callable[[Path, Scene, Notes], None]] = {
     **dict.fromkeys((".usd", ".usda", ".usdc", ".usdz"), fill_from_usd),
 }
 
+_NONSENSE = (ArithmeticError, AttributeError, LookupError, RuntimeError, TypeError, ValueError)
+"""What readers meet in files that follow their format, but say things that cannot be."""
+
 
 def load(path: str | os.PathLike[str], *, gltf_lights: LightUnit | None = None) -> Scene:
     """Loads a scene from a .glb, .gltf, .obj or .ply file.
@@ -63,6 +66,9 @@ def load(path: str | os.PathLike[str], *, gltf_lights: LightUnit | None = None) 
             fill(path, scene, notes)
     except Error as error:
         raise Error(f"{path}: {' '.join(str(error).split())[:300]}") from error
+    except _NONSENSE as error:
+        reason = f"{type(error).__name__}: {error}"
+        raise Error(f"{path}: makes no sense: {' '.join(reason.split())[:300]}") from error
     except MemoryError as error:
         raise Error(f"{path}: does not fit into memory") from error
     if scene.triangle_count == 0:

@@ -10,7 +10,6 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
-from .._core import Error
 from ..scene import Scene
 from .files import Neighbours
 from .gltf_data import GltfData
@@ -33,13 +32,10 @@ def fill_from_gltf(path: Path, scene: Scene, notes: Notes, unit: LightUnit | Non
     """Fills a scene from a .glb or .gltf file. unit: that of its lights; None: watts, with a remark
     where that may be wrong.
     """
-    try:
-        document, binary = read_document(path)
-        note_unsupported(document, notes)
-        data = GltfData(document, binary, Neighbours(path, notes))
-        _fill(document, data, scene, notes, unit)
-    except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
-        raise Error(f"its JSON makes no sense: {type(error).__name__}: {error}") from error
+    document, binary = read_document(path)
+    note_unsupported(document, notes)
+    data = GltfData(document, binary, Neighbours(path, notes))
+    _fill(document, data, scene, notes, unit)
 
 
 def _fill(

@@ -68,7 +68,8 @@ class Materials:
         if key not in self._made:
             self._made[key] = self._make(given, tuple(primitive.uvs))
         surface, mapping = self._made[key]
-        primitive.triangles.uvs = mapping and mapping.apply(primitive.uvs[mapping.uv_set])
+        if mapping is not None:
+            primitive.triangles.uvs = mapping.apply(primitive.uvs[mapping.uv_set])
         return surface
 
     def _make(self, given: Json, uv_sets: tuple[int, ...]) -> tuple[Surface, _Mapping | None]:

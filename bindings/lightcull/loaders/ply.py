@@ -121,6 +121,9 @@ def _read_header_line(line: str, header: _Header) -> None:
 
 
 def _property(words: list[str], order: str) -> _Property:
+    if order not in _ORDERS.values():
+        raise ValueError("there is no format yet")
+
     def dtype(word: str) -> np.dtype:
         return np.dtype(order + _TYPES[word])
 

@@ -29,10 +29,6 @@ def fill_from_usd(path: Path, scene: Scene, notes: Notes) -> None:
         _Filling(stage, scene, notes).fill()
     except Tf.ErrorException as error:
         raise Error(f"cannot be read: {_first_line(error)}") from error
-    except (LookupError, RuntimeError, TypeError, ValueError) as error:
-        if isinstance(error, Error):
-            raise
-        raise Error(f"makes no sense: {type(error).__name__}: {error}") from error
 
 
 def _first_line(error: BaseException) -> str:
