@@ -36,21 +36,19 @@ _NONSENSE = (ArithmeticError, AttributeError, LookupError, RuntimeError, TypeErr
 
 
 def load(path: str | os.PathLike[str], *, gltf_lights: LightUnit | None = None) -> Scene:
-    """Loads a scene from a .glb, .gltf, .obj or .ply file.
+    """Loads a scene from a file: .glb, .gltf, .obj, .ply or, with usd-core, USD.
 
-    Of glTF: triangles, metallic-roughness materials and their textures, emission with its texture
-    and KHR_materials_emissive_strength, KHR_lights_punctual, and the first perspective camera. Its
-    photometric units are taken as radiometric ones: candela as W/sr, lux as W/m^2, candela per
-    square metre as W/(m^2 sr), so that lights and surfaces that emit keep their proportion. Of OBJ:
-    diffuse colour and emission (Ke) with their textures. Of PLY: triangles and one texture.
+    core/docs/files.md says what becomes of what such files have. Photometric units of glTF are
+    taken as radiometric ones: candela as W/sr, lux as W/m^2, candela per square metre as
+    W/(m^2 sr), so that lights and surfaces that emit keep their proportion.
 
     gltf_lights: the unit of the lights of KHR_lights_punctual beside what surfaces emit. "candela"
     divides them by 683 lumens a watt: Blender's exporter has multiplied them, and not what
     surfaces emit, unless its lighting mode was changed. "watts" takes them as they are. None does
     so too, and warns where a file of Blender's has both.
 
-    What the file has beyond that is named in one `UnsupportedWarning`. It also says so if there was
-    no camera (one is placed that sees everything) or no light (the surroundings are made white).
+    What is not shown is named in one `UnsupportedWarning`. It also says so if there was no
+    camera (one is placed that sees everything) or no light (the surroundings are made white).
     """
     path = Path(checks.path("path", path))
     fill = _LOADERS.get(path.suffix.lower())
