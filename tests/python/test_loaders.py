@@ -400,8 +400,14 @@ def test_points_alone_are_nothing_to_render(tmp_path: Path, ending: str) -> None
 def test_gltf_required_extensions_are_required(tmp_path: Path) -> None:
     file = emitting(emissiveFactor=[1, 1, 1])
     file.document["extensionsRequired"] = ["EXT_of_geometry", "KHR_lights_punctual"]
-    with pytest.raises(lightcull.Error, match="needs EXT_of_geometry, which is not support"):
-        lightcull.load(file.write(tmp_path / "a.glb"))
+    # Nothing of the triangles depends on it.
+    file.document["nodes"][0]["extensions"] = {"EXT_of_geometry": {}}
+    assert "EXT_of_geometry (1)" in warning_of(file.write(tmp_path / "a.glb"))
+    for part in ("meshes", "bufferViews"):
+        file.document[part][0]["extensions"] = {"EXT_of_geometry": {}}
+        with pytest.raises(lightcull.Error, match="needs EXT_of_geometry, which is not support"):
+            lightcull.load(file.write(tmp_path / "a.glb"))
+        del file.document[part][0]["extensions"]
 
 
 def test_gltf_image_that_cannot_be_read(tmp_path: Path) -> None:

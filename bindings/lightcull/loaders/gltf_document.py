@@ -20,8 +20,10 @@ READ_EXTENSIONS = {
     "KHR_texture_transform",
 }  # fmt: skip
 APPROXIMATED_EXTENSIONS = {"KHR_materials_unlit": "a diffuse surface"}
-_OF_LOOKS = ("KHR_xmp", "KHR_texture", "KHR_materials", "EXT_texture", "MSFT", "ADOBE")
-"""How extensions begin without which geometry can be read all the same."""
+_GEOMETRY = ("accessors", "bufferViews", "buffers", "meshes")
+"""Where in a document an extension may change what triangles there are."""
+_NOT_OF_GEOMETRY = ("KHR_materials", "EXT_mesh_features", "EXT_structural_metadata")
+"""How extensions begin that stand there and do not."""
 _GLB_MAGIC, _JSON_CHUNK, _BINARY_CHUNK = 0x46546C67, 0x4E4F534A, 0x004E4942
 _REPEAT = 10497
 
@@ -67,8 +69,9 @@ def note_unsupported(document: Json, notes: Notes) -> None:
     Error for an extension without which its geometry cannot be read.
     """
     known = READ_EXTENSIONS | set(APPROXIMATED_EXTENSIONS)
-    unknown = sorted(set(document.get("extensionsRequired", [])) - known)
-    needed = [name for name in unknown if not name.startswith(_OF_LOOKS)]
+    of_geometry = {name for part in _GEOMETRY for name in _extensions(document.get(part, []))}
+    required = (set(document.get("extensionsRequired", [])) & of_geometry) - known
+    needed = sorted(name for name in required if not name.startswith(_NOT_OF_GEOMETRY))
     if needed:
         raise Error(f"needs {', '.join(needed)}, which is not supported")
     for extension in _extensions(document):
@@ -90,9 +93,9 @@ def note_unsupported(document: Json, notes: Notes) -> None:
         notes.left_out("textures that are not repeated", int(wraps != {_REPEAT}))
 
 
-def _extensions(document: Json) -> Iterator[str]:
-    """The names in every "extensions" object, wherever in the document it is."""
-    waiting: list[Any] = [document]
+def _extensions(part: Any) -> Iterator[str]:
+    """The names in every "extensions" object, wherever in a part of a document it is."""
+    waiting: list[Any] = [part]
     while waiting:
         value = waiting.pop()
         if isinstance(value, list):
