@@ -55,7 +55,7 @@ inline constexpr float kMostVisible = 0x1.fffffep-1f;
 void rebuild_cut(const LightBvh<MeansNode>& bvh, const LeafOrder& leaves, const CutPlace& place,
                  ClusterCut& cut, CutEvidence& evidence);
 
-/// Takes the quantities of clusters from a tree that has been refitted.
-void refresh_cut(const LightBvh<MeansNode>& bvh, ClusterCut& cut) noexcept;
+/// Takes the quantities of clusters, and their scales, from a tree that has been refitted.
+void refresh_cut(const LightBvh<MeansNode>& bvh, const CutPlace& place, ClusterCut& cut) noexcept;
 
 }  // namespace lightcull

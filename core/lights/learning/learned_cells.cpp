@@ -34,7 +34,20 @@ CutEvidence handed_down(CutEvidence evidence) noexcept {
     return evidence;
 }
 
+/// The number of lights up to which one cut is better for all points than random ranges.
+constexpr std::uint32_t kFewForOneCut = 8192;
+
 }  // namespace
+
+LearnedLights::LearnedLights(const Frame& f, std::shared_ptr<const LightGroups> g)
+    : frame(f), groups(std::move(g)), leaves(groups->bvh) {
+    if (leaves.size() == 0 || leaves.size() > kFewForOneCut) return;
+    // The lights' bounds are two units wide.
+    constexpr CutPlace kAll{{0, 0, 0}, {0, 0, 0}, 1.0f};
+    CutEvidence none;
+    everywhere.emplace();
+    rebuild_cut(bvh(), leaves, kAll, *everywhere, none);
+}
 
 LearnedCells::LearnedCells(const LearningLimits& limits)
     : limits_(limits),
@@ -233,7 +246,9 @@ std::uint32_t LearnedCells::add_cell(const MetCell& met) {
 }
 
 void LearnedCells::refresh(const LearnedLights& lights) noexcept {
-    for (ClusterCut& cut : cuts_) refresh_cut(lights.bvh(), cut);
+    for_each_block(size(), kBlock, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) refresh_cut(lights.bvh(), places_[i], cuts_[i]);
+    });
 }
 
 std::size_t LearnedCells::memory_size() const noexcept {
