@@ -136,7 +136,7 @@ beside a closed form or an exhaustive answer, what rounding in single precision 
 how many of the instruction sets pass, the scalar path among them. It ends with a line `N passed, 0
 failed`; the exit code is 1 if any fails.
 
---noise: 60 situations of few lights, each with a closed form or a sum in double precision. Of each the
+--noise: 63 situations of few lights, each with a closed form or a sum in double precision. Of each the
 table has the variance of a sample of learned, over the square of its mean, on average over 48x48 pixels
 and 64 passes; that of the best of uniform, power, light_bvh, light_bvh:importance=means and exhaustive;
 the ratio of the two, variances below 0.001 being all alike (0.4 % of a pixel after 64 samples); and how
