@@ -61,4 +61,10 @@ std::string sampler_description(const Properties& properties) {
     return description;
 }
 
+bool is_light_bvh_by_means(const std::string& description) {
+    const ::lightcull::SamplerSpec spec = ::lightcull::parse_sampler(description);
+    const auto* bvh = std::get_if<::lightcull::LightBvhOptions>(&spec);
+    return bvh != nullptr && bvh->importance == ::lightcull::ClusterImportance::kMeans;
+}
+
 }  // namespace mitsuba::culling

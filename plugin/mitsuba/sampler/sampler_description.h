@@ -12,4 +12,7 @@ namespace mitsuba::culling {
 /// Throws for what make_sampler() would refuse, and for `paper` with its test at the vertex.
 std::string sampler_description(const Properties& properties);
 
+/// Whether a description is that of a light BVH with the importance by means.
+bool is_light_bvh_by_means(const std::string& description);
+
 }  // namespace mitsuba::culling

@@ -6,7 +6,7 @@
 #include "paths/path_context.h"
 #include "sampler/range_sets.h"
 #include "wavefront/lane_selector.h"
-#include "wavefront/light_tables.h"
+#include "lanes/light_tables.h"
 
 namespace mitsuba::culling {
 

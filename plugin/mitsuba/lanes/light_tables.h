@@ -38,6 +38,7 @@ class LightTables {
     bool has_triangles() const { return has_triangles_; }
     bool has_wholes() const { return has_wholes_; }
     bool has_unplaced() const { return unplaced_count_ != 0; }
+    bool has_several_unplaced() const { return unplaced_count_ > 1; }
 
     /// Chooses one of the unplaced emitters, of which there must be some, by a number in [0, 1);
     /// returns it and its probability.
