@@ -41,9 +41,9 @@ struct LightBvhTable {
     static constexpr std::uint32_t kWidth = 8;  ///< clusters of a node
     static constexpr std::uint32_t kLight = 0x80000000u, kEmpty = 0xffffffffu, kNone = 0xffffffffu;
 
-    float3 origin{0, 0, 0};  ///< origin of the table's units, metres
-    float inv_scale = 1.0f;  ///< units of the table, 1 / metres: a position x is
-                             ///< (x - origin) * inv_scale
+    float3 origin{0, 0, 0};                 ///< origin of the table's units, metres
+    float inv_scale = 1.0f;                 ///< units of the table, 1 / metres: a position x is
+                                            ///< (x - origin) * inv_scale
     std::vector<LightBvhCluster> clusters;  ///< clusters of node i are those from kWidth * i on;
                                             ///< none where no light is lit
     std::vector<std::uint32_t> parents;     ///< cluster that a node is, by node; kNone for node 0

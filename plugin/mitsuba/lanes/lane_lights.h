@@ -2,9 +2,9 @@
 
 #include <mitsuba/core/warp.h>
 
-#include "scene/triangle_pdf.h"
 #include "lanes/chosen_light.h"
 #include "lanes/light_tables.h"
+#include "scene/triangle_pdf.h"
 
 namespace mitsuba::culling {
 

@@ -11,9 +11,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "lanes/chosen_light.h"
 #include "loop/light_bvh_walk.h"
 #include "scene/surface_receiver.h"
-#include "lanes/chosen_light.h"
 
 namespace mitsuba::culling {
 
@@ -41,6 +41,7 @@ class LightBvhArrays {
                    dr::opaque<Float>(table.origin.z)};
         inv_scale_ = dr::opaque<Float>(table.inv_scale);
         static_assert(sizeof(::lightcull::LightBvhCluster) == kWords * sizeof(float));
+        if (nodes_ == 1) load_root(table);
         const std::size_t count = table.clusters.size();
         clusters_ = dr::load<Float>(table.clusters.data(), kWords * count);
         std::vector<std::uint32_t> children(count);
@@ -60,7 +61,8 @@ class LightBvhArrays {
         const WalkPoint point = local(position, receiver);
         constexpr double kLastDigit = 0x1p-24;
         const Double place = dr::minimum(
-            Double(dr::detach<false>(random_1)) + kLastDigit * Double(dr::detach<false>(random_2)), 1.0 - kLastDigit);
+            Double(dr::detach<false>(random_1)) + kLastDigit * Double(dr::detach<false>(random_2)),
+            1.0 - kLastDigit);
         Descent descent{UInt32(0), place, Float(1.0f)};
         const Mask wanted = dr::detach<false>(active);
         if (nodes_ == 1) {
@@ -93,29 +95,31 @@ class LightBvhArrays {
         const Mask wanted = dr::detach<false>(active);
         UInt32 cluster = dr::gather<UInt32>(leaves_, dr::detach<false>(light), wanted);
         Float prob = dr::select(cluster == kNone, Float(0.0f), Float(1.0f));
-        const Mask is_in_tree = wanted && cluster != kNone;
-        if (nodes_ == 1) {
-            return prob * walk::prob_of_step<Types>(*this, point, cluster, is_in_tree);
-        }
+        // Where no lane asks, nothing is computed: few rays hit lights.
         dr::tie(cluster, prob) = dr::while_loop(
             dr::make_tuple(cluster, prob),
             [wanted](const UInt32& cluster, const Float&) { return wanted && cluster != kNone; },
             [this, point](UInt32& cluster, Float& prob) {
                 prob *= walk::prob_of_step<Types>(*this, point, cluster, Mask(true));
-                cluster = dr::gather<UInt32>(
-                    parents_, cluster / ::lightcull::LightBvhTable::kWidth, Mask(true));
+                cluster = dr::gather<UInt32>(parents_, cluster / kWidth, Mask(true));
             },
             "lightcull: from a light");
         return prob;
     }
 
     // For walk::step_down() and walk::prob_of_step().
-    walk::Cluster<Float> cluster(const UInt32& index, const Mask& active) const {
+    std::uint32_t width() const {
+        return nodes_ == 1 ? static_cast<std::uint32_t>(root_.size()) : kWidth;
+    }
+    walk::Cluster<Float> cluster(const UInt32& node, std::uint32_t i, const Mask& active) const {
+        if (nodes_ == 1) return root_[i];
+        const UInt32 index = node * kWidth + i;
         const auto w = dr::gather<dr::Array<Float, kWords>>(clusters_, index, active);
-        return {{w[0], w[1], w[2]},    w[3],  w[4], w[5], {w[6], w[7], w[8]}, w[9], w[10],
+        return {{w[0], w[1], w[2]},    w[3], w[4], w[5], {w[6], w[7], w[8]}, w[9], w[10],
                 {w[11], w[12], w[13]}, w[14]};
     }
-    UInt32 child(const UInt32& index, const Mask& active) const {
+    UInt32 child(const UInt32& node, const UInt32& i, const Mask& active) const {
+        const UInt32 index = node * kWidth + i;
         return dr::gather<UInt32>(children_, index, active);
     }
 
@@ -128,7 +132,22 @@ class LightBvhArrays {
     };
     using Descent = walk::Descent<Types>;
     static constexpr std::size_t kWords = 16;
+    static constexpr std::uint32_t kWidth = ::lightcull::LightBvhTable::kWidth;
     static constexpr std::uint32_t kNone = ::lightcull::LightBvhTable::kNone;
+
+    /// Loads the clusters of the only node, which are the same for all lanes, as single numbers.
+    void load_root(const ::lightcull::LightBvhTable& table) {
+        const auto number = [](float x) { return dr::opaque<Float>(x); };
+        const auto vec3 = [&](const ::lightcull::float3& v) {
+            return walk::Vec3<Float>{number(v.x), number(v.y), number(v.z)};
+        };
+        for (const ::lightcull::LightBvhCluster& c : table.clusters) {
+            if (c.child == ::lightcull::LightBvhTable::kEmpty) break;
+            root_.push_back({vec3(c.center), number(c.radius), number(c.spread),
+                             number(c.intensity), vec3(c.axis), number(c.apex), number(c.cosine),
+                             vec3(c.mean_normal), number(c.diffuse)});
+        }
+    }
 
     template <typename Vector>
     static walk::Vec3<Float> to_vec3(const Vector& v) {
@@ -151,6 +170,7 @@ class LightBvhArrays {
     Float inv_scale_;
     std::size_t nodes_;
     bool has_lobes_;
+    std::vector<walk::Cluster<Float>> root_;  ///< where it is the only node
     Float clusters_;
     UInt32 children_, parents_, leaves_;
 };

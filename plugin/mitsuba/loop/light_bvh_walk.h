@@ -44,7 +44,7 @@ Vec3<Float> operator*(const Vec3<Float>& a, const Float& s) {
 }
 template <typename Float>
 Float dot(const Vec3<Float>& a, const Vec3<Float>& b) {
-    return fmadd(a.x, b.x, fmadd(a.y, b.y, a.z * b.z));
+    return fmadd(a.z, b.z, fmadd(a.y, b.y, a.x * b.x));
 }
 
 /// The fields of lightcull::LightBvhCluster, all but its child.
@@ -62,9 +62,9 @@ struct Cluster {
 template <typename Float>
 struct Point {
     Vec3<Float> position;
-    Vec3<Float> normal;    ///< 0: light from all sides counts alike
-    Float from_all_sides;  ///< flag: 4 if the normal is 0, else 0
-    Float horizon;         ///< height below which nothing can reach the point
+    Vec3<Float> normal;     ///< 0: light from all sides counts alike
+    Float from_all_sides;   ///< flag: 4 if the normal is 0, else 0
+    Float horizon;          ///< height below which nothing can reach the point
     bool has_lobe = false;  ///< false: the rest is not used, at any of the points
     Float diffuse{};
     Vec3<Float> axis{};
@@ -75,8 +75,7 @@ template <typename Float>
 Point<Float> matte_point(const Vec3<Float>& position, const Vec3<Float>& normal) {
     constexpr float kRounding = 1e-6f;
     const auto volume = dot(normal, normal) == 0.0f;
-    const Float rounding =
-        kRounding * (1.0f + abs(position.x) + abs(position.y) + abs(position.z));
+    const Float rounding = kRounding * (1.0f + abs(position.x) + abs(position.y) + abs(position.z));
     return {position, normal, select(volume, Float(4.0f), Float(0.0f)),
             select(volume, Float(-1e30f), -rounding)};
 }
@@ -97,22 +96,20 @@ Float softened(const Float& c, const Float& q) {
 /// The sum of diffuse * received and the glossy lobe, as with_lobe() of core/lights/bvh.
 template <typename Float>
 Float with_lobe(const Point<Float>& point, const Vec3<Float>& way, const Float& height,
-                const Float& inverse_distance, const Float& angular_spread,
-                const Float& received) {
+                const Float& inverse_distance, const Float& angular_spread, const Float& received) {
     constexpr float kLeastTwiceHalf2 = 1e-20f;
     const Vec3<Float> from_axis = way * inverse_distance - point.axis;
     const Float above = dot(point.normal, from_axis);
     const Vec3<Float> across = from_axis - point.normal * above;
     const Float across2 = dot(across, across);
     const Float along = fmadd(height, inverse_distance, dot(point.normal, point.axis));
-    const Float twice_half2 = fmadd(along, along, point.from_all_sides) +
-                              maximum(across2, Float(kLeastTwiceHalf2));
+    const Float twice_half2 =
+        fmadd(along, along, point.from_all_sides) + maximum(across2, Float(kLeastTwiceHalf2));
     const Float inverse_half2 = 1.0f / twice_half2;
-    const Float width = fmadd(fmadd(Float(0.5f), inverse_half2, Float(0.125f)), angular_spread,
-                              point.alpha2);
+    const Float width =
+        fmadd(fmadd(Float(0.5f), inverse_half2, Float(0.125f)), angular_spread, point.alpha2);
     const Float inverse = 1.0f / fmadd(1.0f - point.alpha2, across2 * inverse_half2, width);
-    return fmadd(point.diffuse, received,
-                 point.peak * point.alpha2 * width * inverse * inverse);
+    return fmadd(point.diffuse, received, point.peak * point.alpha2 * width * inverse * inverse);
 }
 
 /// The importance of a cluster, 0 where none of it reaches the point.
@@ -140,13 +137,11 @@ Float importance(const Cluster<Float>& cluster, const Point<Float>& point) {
         received = select(point.peak > 0.0f, (root + root) * both, received);
     }
     const Float facing = against(cluster.mean_normal, way, two_sided);
-    const Float emitted =
-        softened(facing, fmadd(abs(cluster.diffuse), mean_distance2,
-                               maximum(cluster.spread, Float(0.0f))));
+    const Float emitted = softened(
+        facing, fmadd(abs(cluster.diffuse), mean_distance2, maximum(cluster.spread, Float(0.0f))));
     const Float inverse = 1.0f / mean_distance2;
     const Float g = cluster.intensity * (received * inverse) * (emitted * inverse);
-    return select(reached && mean_distance2 > kMinDistance2, maximum(g, Float(0.0f)),
-                  Float(0.0f));
+    return select(reached && mean_distance2 > kMinDistance2, maximum(g, Float(0.0f)), Float(0.0f));
 }
 
 /// A walk from the root to a light.
@@ -157,29 +152,24 @@ struct Descent {
     typename Types::Float prob;    ///< probability of `child`; 0: nothing there reaches the point
 };
 
-/// The shares of a node's clusters. The sums are in double precision, where each importance above 0
-/// raises the sum. Table: gives cluster(i, active).
+/// The importances of a node's clusters. Table: gives width(), how many clusters of a node are to
+/// be looked at, and cluster(node, i, active).
 template <typename Types>
-struct Shares {
+struct Importances {
     static constexpr std::uint32_t kWidth = 8;
     using Float = typename Types::Float;
-    using Double = typename Types::Double;
-    using UInt32 = typename Types::UInt32;
-    using Mask = typename Types::Mask;
 
     template <typename Table>
-    Shares(const Table& table, const Point<Float>& point, const UInt32& node, const Mask& active)
-        : total(0.0) {
-        for (std::uint32_t i = 0; i < kWidth; ++i) {
-            importances[i] = importance(table.cluster(node * kWidth + i, active), point);
-            before[i] = total;
-            total += Double(importances[i]);
+    Importances(const Table& table, const Point<Float>& point, const typename Types::UInt32& node,
+                const typename Types::Mask& active)
+        : count(table.width()) {
+        for (std::uint32_t i = 0; i < count; ++i) {
+            of[i] = importance(table.cluster(node, i, active), point);
         }
     }
 
-    Float importances[kWidth];
-    Double before[kWidth];  ///< sum of the importances before each cluster
-    Double total;
+    std::uint32_t count;
+    Float of[kWidth];
 };
 
 /// Takes a descent one level down.
@@ -189,23 +179,28 @@ void step_down(const Table& table, const Point<typename Types::Float>& point,
     using Float = typename Types::Float;
     using Double = typename Types::Double;
     using UInt32 = typename Types::UInt32;
-    const Shares<Types> shares(table, point, descent.child, active);
-    const Double target = descent.place * shares.total;
+    const Importances<Types> importances(table, point, descent.child, active);
+    // The sums are in double precision, where each importance above 0 raises the sum.
+    Double total(0.0), sums[Importances<Types>::kWidth];  // sums: of those before each
+    for (std::uint32_t i = 0; i < importances.count; ++i) {
+        sums[i] = total;
+        total += Double(importances.of[i]);
+    }
+    const Double target = descent.place * total;
     UInt32 chosen(0);
-    Double before = shares.before[0];
-    Float share = shares.importances[0];
-    for (std::uint32_t i = 1; i < Shares<Types>::kWidth; ++i) {
-        const auto beyond = shares.before[i] <= target;
+    Double before(0.0);
+    Float share = importances.of[0];
+    for (std::uint32_t i = 1; i < importances.count; ++i) {
+        const auto beyond = sums[i] <= target;
         chosen = select(beyond, UInt32(i), chosen);
-        before = select(beyond, shares.before[i], before);
-        share = select(beyond, shares.importances[i], share);
+        before = select(beyond, sums[i], before);
+        share = select(beyond, importances.of[i], share);
     }
     constexpr double kBelowOne = 1.0 - 0x1p-53;
-    const auto there = shares.total > 0.0;
+    const auto there = total > 0.0;
     descent.place = minimum((target - before) / Double(share), Double(kBelowOne));
-    descent.prob = select(there, descent.prob * (share / Float(shares.total)), Float(0.0f));
-    descent.child =
-        table.child(descent.child * Shares<Types>::kWidth + chosen, active && there);
+    descent.prob = select(there, descent.prob * (share / Float(total)), Float(0.0f));
+    descent.child = table.child(descent.child, chosen, active && there);
 }
 
 /// The probability that a step down from the node of `cluster` goes to it; 0 if nothing there
@@ -216,14 +211,15 @@ typename Types::Float prob_of_step(const Table& table, const Point<typename Type
                                    const typename Types::Mask& active) {
     using Float = typename Types::Float;
     using UInt32 = typename Types::UInt32;
-    constexpr std::uint32_t kWidth = Shares<Types>::kWidth;
+    constexpr std::uint32_t kWidth = Importances<Types>::kWidth;
     const UInt32 node = cluster / kWidth, place = cluster - node * kWidth;
-    const Shares<Types> shares(table, point, node, active);
-    Float share(0.0f);
-    for (std::uint32_t i = 0; i < kWidth; ++i) {
-        share = select(place == i, shares.importances[i], share);
+    const Importances<Types> importances(table, point, node, active);
+    Float share(0.0f), total(0.0f);
+    for (std::uint32_t i = 0; i < importances.count; ++i) {
+        share = select(place == i, importances.of[i], share);
+        total += importances.of[i];
     }
-    return select(shares.total > 0.0, share / Float(shares.total), Float(0.0f));
+    return select(total > 0.0f, share / total, Float(0.0f));
 }
 
 }  // namespace mitsuba::culling::walk

@@ -4,10 +4,10 @@
 #include <mitsuba/render/sampler.h>
 
 #include "arrays/variants.h"
+#include "lanes/lane_lights.h"
 #include "paths/mis_weight.h"
 #include "scene/surface_receiver.h"
 #include "scene/triangle_pdf.h"
-#include "lanes/lane_lights.h"
 
 namespace mitsuba::culling {
 namespace {
@@ -71,8 +71,7 @@ class Bounce {
     void operator()(State& paths) const {
         SurfaceInteraction3f si = find_hits(paths);
         const Mask sees_emitter = add_emission(paths, si);
-        const Mask goes_on =
-            paths.active && paths.depth + 1u < context_.max_depth && si.is_valid();
+        const Mask goes_on = paths.active && paths.depth + 1u < context_.max_depth && si.is_valid();
         if (!context_.hide_emitters) paths.valid |= paths.active && !goes_on && sees_emitter;
         shade(paths, si, goes_on);
         paths.depth += 1u;
@@ -84,8 +83,8 @@ class Bounce {
         PreliminaryIntersection3f hit = context_.scene->ray_intersect_preliminary(
             paths.ray, is_first, false, 0, 0, paths.active);
         if (context_.hide_emitters) {
-            const Mask skip = paths.active && is_first && hit.is_valid() &&
-                              hit.shape->emitter() != nullptr;
+            const Mask skip =
+                paths.active && is_first && hit.is_valid() && hit.shape->emitter() != nullptr;
             const SurfaceInteraction3f si =
                 hit.compute_surface_interaction(paths.ray, +RayFlags::Minimal, skip);
             dr::masked(hit, skip) = context_.integrator->skip_area_emitters(
@@ -99,10 +98,9 @@ class Bounce {
         const EmitterPtr emitter = si.emitter(context_.scene, paths.active);
         const Mask is_there = emitter != nullptr;
         const Mask shines = paths.active && is_there && paths.bsdf_pdf > 0.0f;
-        const Float weight =
-            dr::select(paths.weigh, mis_weight(paths.bsdf_pdf, light_pdf(paths, si, emitter,
-                                                                          shines && paths.weigh)),
-                       1.0f);
+        const Float weight = dr::select(
+            paths.weigh,
+            mis_weight(paths.bsdf_pdf, light_pdf(paths, si, emitter, shines && paths.weigh)), 1.0f);
         dr::masked(paths.result, shines) =
             paths.result + paths.throughput * emitter->eval(si, shines) * weight;
         return is_there;
@@ -191,8 +189,7 @@ class Bounce {
         const Spectrum light = paths.throughput * bsdf_value * sample.weight *
                                dr::select(sample.delta, 1.0f, mis_weight(sample.pdf, bsdf_pdf));
         const Mask traced = sample.active && dr::any(light != 0.0f);
-        const Mask arrived =
-            traced && !context_.scene->ray_test(si.spawn_ray_to(sample.p), traced);
+        const Mask arrived = traced && !context_.scene->ray_test(si.spawn_ray_to(sample.p), traced);
         dr::masked(paths.result, arrived) = paths.result + light;
     }
 
@@ -230,7 +227,6 @@ std::pair<Spectrum, dr::mask_t<Float>> trace_loop(
     const LightTables<Float, Spectrum>& tables, const LightBvhArrays<Float>& bvh,
     const dr::mask_t<Float>& active) {
     using State = LoopState<Float, Spectrum>;
-    if (context.max_depth == 0) return {Spectrum(0.0f), dr::mask_t<Float>(false)};
     const dr::suspend_grad<Float> no_derivatives;
     const Bounce<Float, Spectrum> bounce(context, tables, bvh);
     State paths = bounce.start(rays, sampler, active);
@@ -241,12 +237,11 @@ std::pair<Spectrum, dr::mask_t<Float>> trace_loop(
 }
 
 // NOLINTBEGIN(bugprone-macro-parentheses)
-#define INSTANTIATE(Float, Spectrum)                                              \
-    template std::pair<Spectrum, dr::mask_t<Float>> trace_loop<Float, Spectrum>(  \
-        const PathContext<Float, Spectrum>&, Sampler<Float, Spectrum>*,           \
-        const RayDifferential<Point<Float, 3>, Spectrum>&,                        \
-        const LightTables<Float, Spectrum>&, const LightBvhArrays<Float>&,        \
-        const dr::mask_t<Float>&);
+#define INSTANTIATE(Float, Spectrum)                                                            \
+    template std::pair<Spectrum, dr::mask_t<Float>> trace_loop<Float, Spectrum>(                \
+        const PathContext<Float, Spectrum>&, Sampler<Float, Spectrum>*,                         \
+        const RayDifferential<Point<Float, 3>, Spectrum>&, const LightTables<Float, Spectrum>&, \
+        const LightBvhArrays<Float>&, const dr::mask_t<Float>&);
 LIGHTCULL_LLVM_VARIANTS(INSTANTIATE)
 // NOLINTEND(bugprone-macro-parentheses)
 

@@ -2,9 +2,9 @@
 
 #include <utility>
 
+#include "lanes/light_tables.h"
 #include "loop/light_bvh_arrays.h"
 #include "paths/path_context.h"
-#include "lanes/light_tables.h"
 
 namespace mitsuba::culling {
 

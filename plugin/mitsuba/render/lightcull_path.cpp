@@ -84,6 +84,10 @@ std::uint32_t to_number(const UInt32& value) {
 /// anew for each: an error that pixels have in common then falls with the number of passes. Where
 /// the light sampler learns, passes are short, and each learns from the shadow rays of those
 /// before.
+///
+/// In LLVM variants a pass is one kernel, as with `path`, where the light sampler is
+/// light_bvh:importance=means, or there are up to 8 lights, of which culled and learned would weigh
+/// each. With any other, a bounce is two kernels, between which the processor chooses.
 template <typename Float, typename Spectrum>
 class LightcullPath final : public MonteCarloIntegrator<Float, Spectrum> {
   public:
@@ -152,6 +156,7 @@ class LightcullPath final : public MonteCarloIntegrator<Float, Spectrum> {
         if (!task || task->context.integrator != this) {
             Throw("lightcull_path must be the scene's own integrator, not one within another");
         }
+        if (m_max_depth == 0) return {0.0f, false};
         if constexpr (dr::is_jit_v<Float>) {
             const auto& [passes, tables, bvh] = task->part;
             if (bvh) return trace_loop(task->context, sampler, ray, tables, *bvh, active);
@@ -216,10 +221,9 @@ class LightcullPath final : public MonteCarloIntegrator<Float, Spectrum> {
         return reusable;
     }
 
-    /// Whether lights are chosen within Dr.Jit's kernel, or there is nothing to choose.
+    /// Whether lights are chosen within Dr.Jit's kernel.
     bool kernel_chooses(const SceneLights<Float, Spectrum>& lights) const {
-        return dr::is_jit_v<Float> &&
-               (lights.lights().size() < 2 || is_light_bvh_by_means(description_));
+        return dr::is_jit_v<Float> && chooses_by_means(description_, lights.lights().size());
     }
 
     void render_blocks(const Job& job) {
@@ -231,8 +235,7 @@ class LightcullPath final : public MonteCarloIntegrator<Float, Spectrum> {
                           range_sets, job.light_sampler->learns());
             const float differential_scale = dr::rsqrt(static_cast<float>(job.spp));
             for (std::uint32_t pass = 0; pass < passes.count() && !should_stop(); ++pass) {
-                in_sampler_arena(
-                    [&] { light_sampler.begin_pass(number_of_pass(job.seed, pass)); });
+                in_sampler_arena([&] { light_sampler.begin_pass(number_of_pass(job.seed, pass)); });
                 passes.run(
                     pass,
                     [&](const typename Passes::Pixel& pixel, Sampler* sampler, ImageBlock* block,

@@ -2,6 +2,7 @@
 
 #include <mitsuba/core/properties.h>
 
+#include <cstddef>
 #include <string>
 
 namespace mitsuba::culling {
@@ -12,7 +13,10 @@ namespace mitsuba::culling {
 /// Throws for what make_sampler() would refuse, and for `paper` with its test at the vertex.
 std::string sampler_description(const Properties& properties);
 
-/// Whether a description is that of a light BVH with the importance by means.
-bool is_light_bvh_by_means(const std::string& description);
+/// Whether a sampler of this description chooses one of so many lights as a light BVH with the
+/// importance by means does. That is so for this sampler itself; for any where there is nothing to
+/// choose; and for those that weigh each light by its importance where there are so few that the
+/// light BVH has one node, which does the same.
+bool chooses_by_means(const std::string& description, std::size_t light_count);
 
 }  // namespace mitsuba::culling

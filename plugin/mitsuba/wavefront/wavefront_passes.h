@@ -95,9 +95,9 @@ class WavefrontPasses {
         place.x() = Int32(pixel) - place.y() * Int32(size_.x());
         if (film_->sample_border()) place -= Int32(film_->rfilter()->border_size());
         place += Vector2i(film_->crop_offset());
-        corners_ = Vector2f(place);
+        corners_ = Vector2f(place);  // computed in each kernel, rather than kept
         sampler_->schedule_state();
-        dr::eval(corners_);
+        dr::eval();
     }
 
     Film* film_;
