@@ -256,9 +256,9 @@ class LightcullPath final : public MonteCarloIntegrator<Float, Spectrum> {
             const dr::suspend_grad<Float> no_derivatives;
             ::lightcull::LightSampler& light_sampler = job.light_sampler->sampler();
             const LightTables<Float, Spectrum> tables(job.context.scene, *job.context.lights);
-            WavefrontPasses<Float, Spectrum> passes(job.sensor, job.size, job.seed, job.spp,
-                                                    light_sampler.set_count(),
-                                                    job.light_sampler->learns(), tables, memory_);
+            WavefrontPasses<Float, Spectrum> passes(
+                job.sensor, job.size, job.seed, job.spp,
+                {light_sampler.set_count(), job.light_sampler->learns(), false}, tables, memory_);
             render_passes(job, passes, {passes, tables, nullptr}, [&](std::uint32_t pass) {
                 light_sampler.begin_pass(number_of_pass(job.seed, pass));
             });
@@ -277,8 +277,8 @@ class LightcullPath final : public MonteCarloIntegrator<Float, Spectrum> {
                 in_sampler_arena([&] { bvh = ::lightcull::make_light_bvh_table(lights.lights()); });
             }
             const LightBvhArrays<Float> arrays(bvh, job.context.has_lobes);
-            WavefrontPasses<Float, Spectrum> passes(job.sensor, job.size, job.seed, job.spp, 1,
-                                                    false, tables, memory_);
+            WavefrontPasses<Float, Spectrum> passes(job.sensor, job.size, job.seed, job.spp, {},
+                                                    tables, memory_);
             render_passes(job, passes, {passes, tables, &arrays}, [](std::uint32_t) {});
         } else {
             DRJIT_MARK_USED(job);

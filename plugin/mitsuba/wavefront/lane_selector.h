@@ -7,9 +7,9 @@
 
 #include "arrays/host_columns.h"
 #include "arrays/variants.h"
+#include "lanes/chosen_light.h"
 #include "sampler/range_sets.h"
 #include "scene/surface_receiver.h"
-#include "lanes/chosen_light.h"
 
 namespace mitsuba::culling {
 
