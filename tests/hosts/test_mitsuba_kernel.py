@@ -49,7 +49,7 @@ def large_kernels(scene: Any, **options: Any) -> list[dict[str, Any]]:
         (scenes.many_lamps, MEANS),
         (scenes.suns_and_lamps, MEANS),
         (scenes.panels, "learned"),
-        (lambda: scenes.stage() | scenes.lamps(8), "culled"),
+        (lambda: scenes.stage() | scenes.lamps(64), "culled"),
         (scenes.cornell, "learned"),
         (scenes.sky_only, "uniform"),
         (scenes.stage, "learned"),
@@ -60,10 +60,12 @@ def test_a_pass_is_one_kernel(make: Any, sampler: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "sampler", ["culled", "learned", "light_bvh", "culled:error_bound=0.1", "culled:accepted=1"]
+    ("sampler", "lamps"),
+    [("culled", 65), ("learned", 65), ("light_bvh", 8), ("culled:error_bound=0.1", 8), ("culled:accepted=1", 8)],
 )
-def test_what_the_kernel_cannot_choose_by_is_chosen_between_kernels(sampler: str) -> None:
-    lamps = 8 if sampler.startswith("culled:") or sampler == "light_bvh" else 9
+def test_what_the_kernel_cannot_choose_by_is_chosen_between_kernels(
+    sampler: str, lamps: int
+) -> None:
     scene = mi.load_dict(scenes.stage() | scenes.lamps(lamps))
     assert len(large_kernels(scene, light_sampler=sampler)) > 1
 
@@ -76,7 +78,7 @@ def test_without_a_choice_it_is_path(make: Any) -> None:
 
 
 @pytest.mark.parametrize("variant", ["scalar_rgb", "llvm_ad_rgb"])
-@pytest.mark.parametrize("count", [1, 2, 9])
+@pytest.mark.parametrize("count", [1, 2, 70])
 def test_no_path_of_depth_0_has_light(variant: str, count: int) -> None:
     mi.set_variant(variant)
     shown = scenes.lamps_in_view() | scenes.lamps(count)

@@ -46,9 +46,9 @@ SCALAR = ("scalar_rgb",)
 """Where LLVM variants would test Mitsuba's own parts again."""
 BOTH_SAMPLERS = ("culled", "learned")
 IN_KERNEL = "light_bvh:importance=means"
-"""In LLVM variants chosen by within the kernel, as by others where there are up to 8 lights."""
+"""In LLVM variants chosen by within the kernel, as by culled and learned among up to 64."""
 BOTH_WAYS = ("culled", "light_bvh")
-"""In LLVM variants within the kernel where there are up to 8 lights, and between kernels."""
+"""In LLVM variants within the kernel where there are up to 64 lights, and between kernels."""
 BOTH_SPECTRAL = ("scalar_spectral", "llvm_ad_spectral")
 KINDS = [
     Kind("cornell box", scenes.cornell),

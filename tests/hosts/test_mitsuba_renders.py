@@ -97,9 +97,9 @@ EDITS: dict[str, Callable[[Any], None]] = {
 def test_an_edited_scene_renders_as_a_new_one(
     variant: str, name: str, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    """With more lights than are chosen among in a kernel."""
-    centers = np.float32([[-1, 2.5, 1], [1, 2.5, -1], [0, 2.7, 0]])
-    mesh = scenes.quads(centers, 0.3, scenes.rgb(3, 5, 9))
+    """With more lights than `learned` has chosen among in a kernel."""
+    centers = np.random.default_rng(3).uniform((-2, 2.4, -1), (2, 2.9, 2), (40, 3))
+    mesh = scenes.quads(centers.astype(np.float32), 0.1, scenes.rgb(3, 5, 9))
     scene = mi.load_dict(scenes.stage() | scenes.lamps(3) | {"lamps": mesh})
     integrator = new_integrator()
     before = render(scene, integrator, seed=1)

@@ -86,8 +86,8 @@ std::uint32_t to_number(const UInt32& value) {
 /// before.
 ///
 /// In LLVM variants a pass is one kernel, as with `path`, where the light sampler is
-/// light_bvh:importance=means, or there are up to 8 lights, of which culled and learned would weigh
-/// each. With any other, a bounce is two kernels, between which the processor chooses.
+/// light_bvh:importance=means, or culled or learned with up to 64 lights, which are chosen among in
+/// the same way. With any other, a bounce is two kernels, between which the processor chooses.
 template <typename Float, typename Spectrum>
 class LightcullPath final : public MonteCarloIntegrator<Float, Spectrum> {
   public:

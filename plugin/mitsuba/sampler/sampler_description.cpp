@@ -1,7 +1,6 @@
 #include "sampler/sampler_description.h"
 
 #include <lightcull/error.h>
-#include <lightcull/light_bvh_table.h>
 #include <lightcull/samplers.h>
 
 #include <array>
@@ -68,7 +67,8 @@ bool chooses_by_means(const std::string& description, std::size_t light_count) {
     if (const auto* bvh = std::get_if<::lightcull::LightBvhOptions>(&spec)) {
         return bvh->importance == ::lightcull::ClusterImportance::kMeans;
     }
-    if (light_count > ::lightcull::LightBvhTable::kWidth) return false;
+    constexpr std::size_t kFew = 64;
+    if (light_count > kFew) return false;
     if (const auto* culled = std::get_if<::lightcull::CulledOptions>(&spec)) {
         // All lights are accepted, unless their ranges are given.
         constexpr float kAllOfMore = 4.0f;

@@ -13,10 +13,9 @@ namespace mitsuba::culling {
 /// Throws for what make_sampler() would refuse, and for `paper` with its test at the vertex.
 std::string sampler_description(const Properties& properties);
 
-/// Whether a sampler of this description chooses one of so many lights as a light BVH with the
-/// importance by means does. That is so for this sampler itself; for any where there is nothing to
-/// choose; and for those that weigh each light by its importance where there are so few that the
-/// light BVH has one node, which does the same.
+/// Whether one of so many lights is best chosen as a light BVH with the importance by means does.
+/// That is so for a sampler that is one, and for any where there is nothing to choose; and for
+/// culled and learned up to 64 lights, each of which culled weighs: the variance is the same.
 bool chooses_by_means(const std::string& description, std::size_t light_count);
 
 }  // namespace mitsuba::culling
