@@ -24,6 +24,7 @@ from .comparing.compare import SAMPLERS, compare
 from .images import apply_view, read_image, view_names, write_exr, write_png
 from .loaders import UnsupportedWarning, example_scene, load, open_scene
 from .methods import MethodReport, compare_methods
+from .rendering.frames import Frames
 from .rendering.job import SubjectJob
 from .rendering.method import METHODS
 from .rendering.own_sampler import OwnSampler, SamplerLibrary
@@ -54,6 +55,7 @@ __all__ = [
     "Camera",
     "Comparison",
     "Error",
+    "Frames",
     "LightSampler",
     "LightSelector",
     "MethodReport",
