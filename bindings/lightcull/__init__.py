@@ -13,6 +13,7 @@ Metres, radians, linear RGB. Arrays are C-contiguous float32 (N, 3), ids uint32.
 #   scene, sampler    what is rendered, and what chooses its lights
 #   scenes, loaders   scenes made by code and from files
 #   rendering         one image; report: the figures and the page of a comparison
+#   peers             other renderers, of which the same scene is shown
 #   comparing, methods, bench, selftest   measurements made of renders and selections
 #   mitsuba           scenes of Mitsuba's, rendered there or here
 #   cli               the command

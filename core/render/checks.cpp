@@ -27,8 +27,8 @@ void finite(std::string_view what, float3 value) {
 
 bool is_position(float3 value) noexcept {
     constexpr float kLargestCoordinate = 1e15f;
-    const V3f p = to_v3f(value);
-    return is_finite(p) && max_component(abs(p)) <= kLargestCoordinate;
+    return std::fabs(value.x) <= kLargestCoordinate && std::fabs(value.y) <= kLargestCoordinate &&
+           std::fabs(value.z) <= kLargestCoordinate;
 }
 
 void position(std::string_view what, float3 value) {
@@ -61,6 +61,10 @@ void index(std::string_view what, std::size_t i, std::size_t count, std::string_
 }
 
 void emissive_area(std::string_view mesh, std::size_t i, float3 a, float3 b, float3 c) {
+    // What is far above is found in floats, which is quicker.
+    constexpr float kSurely = 1e-15f;
+    const V3f normal = (to_v3f(b) - to_v3f(a)).cross(to_v3f(c) - to_v3f(a));
+    if (std::fabs(normal.x) + std::fabs(normal.y) + std::fabs(normal.z) > kSurely) return;
     constexpr double kLeast = std::numeric_limits<float>::min();
     const Imath::V3d corner(to_v3f(a));
     const double twice =

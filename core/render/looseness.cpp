@@ -1,7 +1,6 @@
 #include "render/looseness.h"
 
 #include "base/memory_size.h"
-#include "base/parallel_blocks.h"
 #include "render/morton_sort.h"
 
 #include <ImathBox.h>
@@ -16,20 +15,29 @@ namespace {
 
 /// As many triangles as a few leaves of a tree.
 constexpr std::size_t kRun = 16;
+/// The most runs that are looked at: as many tell of all.
+constexpr std::size_t kMostRuns = 1024;
 
 }  // namespace
 
-Looseness::Looseness(Span<const V3f> positions, Span<const std::uint32_t> indices)
-    : order_(indices.size() / 3) {
-    std::iota(order_.begin(), order_.end(), 0u);
+Looseness::Looseness(Span<const V3f> positions, Span<const std::uint32_t> indices) {
     std::vector<V3f> middles;
-    middles.reserve(order_.size());
+    middles.reserve(indices.size() / 3);
     for (std::size_t i = 0; i < indices.size(); i += 3) {
         middles.push_back(
             (positions[indices[i]] + positions[indices[i + 1]] + positions[indices[i + 2]]) / 3.0f);
     }
+    std::vector<std::uint32_t> order(middles.size());
+    std::iota(order.begin(), order.end(), 0u);
     std::vector<std::uint64_t> keys;
-    sort_by_morton_code(middles, order_, keys);
+    sort_by_morton_code(middles, order, keys);
+    const std::size_t runs = (order.size() + kRun - 1) / kRun;
+    const std::size_t step = kRun * std::max<std::size_t>((runs + kMostRuns - 1) / kMostRuns, 1);
+    for (std::size_t i = 0; i < order.size(); i += step) {
+        const auto begin = order.begin() + static_cast<std::ptrdiff_t>(i);
+        const auto count = static_cast<std::ptrdiff_t>(std::min(kRun, order.size() - i));
+        triangles_.insert(triangles_.end(), begin, begin + count);
+    }
     built_area_ = area(positions, indices);
 }
 
@@ -40,29 +48,21 @@ float Looseness::growth(Span<const V3f> positions, Span<const std::uint32_t> ind
 }
 
 double Looseness::area(Span<const V3f> positions, Span<const std::uint32_t> indices) const {
-    // A sum for each block, so that the total does not depend on threads.
-    constexpr std::size_t kBlock = 256 * kRun;
-    std::vector<double> sums((order_.size() + kBlock - 1) / kBlock);
-    for_each_block(order_.size(), kBlock, [&](std::size_t begin, std::size_t end) {
-        double sum = 0.0;
-        for (std::size_t i = begin; i < end; i += kRun) {
-            Imath::Box<Imath::V3d> box;
-            for (std::size_t k = i; k < std::min(i + kRun, end); ++k) {
-                const std::size_t first = std::size_t{3} * order_[k];
-                for (std::size_t c = 0; c < 3; ++c) {
-                    box.extendBy(Imath::V3d(positions[indices[first + c]]));
-                }
-            }
-            const Imath::V3d size = box.size();
-            sum += size.x * size.y + size.y * size.z + size.z * size.x;
+    double sum = 0.0;
+    for (std::size_t i = 0; i < triangles_.size(); i += kRun) {
+        Imath::Box3f box;
+        for (std::size_t k = i; k < std::min(i + kRun, triangles_.size()); ++k) {
+            const std::size_t first = std::size_t{3} * triangles_[k];
+            for (std::size_t c = 0; c < 3; ++c) box.extendBy(positions[indices[first + c]]);
         }
-        sums[begin / kBlock] = sum;
-    });
-    return std::accumulate(sums.begin(), sums.end(), 0.0);
+        const Imath::V3d size(box.size());
+        sum += size.x * size.y + size.y * size.z + size.z * size.x;
+    }
+    return sum;
 }
 
 std::size_t Looseness::memory_size() const noexcept {
-    return size_of(order_);
+    return size_of(triangles_);
 }
 
 }  // namespace lightcull

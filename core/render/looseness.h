@@ -26,7 +26,7 @@ class Looseness {
   private:
     double area(Span<const V3f> positions, Span<const std::uint32_t> indices) const;
 
-    std::vector<std::uint32_t> order_;  ///< triangles, along a curve through their middles
+    std::vector<std::uint32_t> triangles_;  ///< triangles of some runs, one after the other
     double built_area_ = 0.0;
 };
 

@@ -155,9 +155,12 @@ void add_triangle_lights(SceneData& scene, const Mesh& mesh) {
 
 float reach_of(const SceneData& scene) noexcept {
     float reach = max_component(abs(to_v3f(scene.camera.origin))) + scene.camera.aperture_radius;
-    for (const V3f& p : scene.positions) reach = std::max(reach, max_component(abs(p)));
+    const auto include = [&reach](float x, float y, float z) {
+        reach = std::max({reach, std::fabs(x), std::fabs(y), std::fabs(z)});
+    };
+    for (const V3f& p : scene.positions) include(p.x, p.y, p.z);
     for (const Light& light : scene.lights) {
-        reach = std::max(reach, max_component(abs(to_v3f(light.center))));
+        include(light.center.x, light.center.y, light.center.z);
     }
     return reach;
 }
