@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import os
+import struct
 import sys
 import time
 from collections.abc import Callable
@@ -72,7 +73,7 @@ def textured(scene: lightcull.Scene) -> None:
 
 def smooth(scene: lightcull.Scene) -> None:
     """A ridge with shading normals."""
-    positions = np.float32([[-1, 0, 1], [0, 0.5, 1], [1, 0, 1], [-1, 0, -1], [0, 0.5, -1], [1, 0, -1]])
+    positions = np.float32([[x, 0.5 * (x == 0), z] for z in (1, -1) for x in (-1, 0, 1)])
     normals = np.float32([[-0.6, 0.8, 0], [0, 1, 0], [0.6, 0.8, 0]] * 2)
     triangles = np.uint32([[0, 1, 3], [1, 4, 3], [1, 2, 4], [2, 5, 4]])
     scene.add_mesh(positions, triangles, normals=normals)
@@ -112,7 +113,8 @@ def lens(scene: lightcull.Scene) -> None:
 
 
 KINDS: dict[str, Callable[[lightcull.Scene], None]] = {
-    kind.__name__: kind for kind in (lamps, textured, smooth, points, spots, sun, sky, sky_map, lens)
+    kind.__name__: kind
+    for kind in (lamps, textured, smooth, points, spots, sun, sky, sky_map, lens)
 }
 
 
@@ -220,7 +222,7 @@ def test_a_blender_that_fails_is_said_in_a_line(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     python = tmp_path / "python"
-    python.write_text('#!/bin/sh\n[ "$1" = -c ] && exit 0\necho first >&2; echo no GPU >&2; exit 3\n')
+    python.write_text('#!/bin/sh\n[ "$1" = -c ] || { echo first >&2; echo no GPU >&2; exit 3; }\n')
     python.chmod(0o755)
     monkeypatch.setenv("LIGHTCULL_BPY_PYTHON", str(python))
     scene = floor()
@@ -257,6 +259,54 @@ def test_renders_of_ours_beside_others_are_timed_by_the_processors() -> None:
     assert stats.spp == 1 and stats.selections > 0
     alone = lightcull.render(scene, "culled", spp=1, size=SIZE, threads=2)
     assert np.array_equal(job.image(), alone.image)
+
+
+def write_layers(path: Path, layers: dict[str, np.ndarray]) -> None:
+    """An OpenEXR file of several layers, float32 (H, W, 3), with what the format asks for."""
+    height, width, _ = next(iter(layers.values())).shape
+    channels = {
+        f"{name}.{color}": np.asarray(image[..., i], "<f4")
+        for name, image in layers.items()
+        for i, color in enumerate("RGB")
+    }
+    names = sorted(channels)
+    window = struct.pack("<4i", 0, 0, width - 1, height - 1)
+    float32 = struct.pack("<iB3xii", 2, 0, 1, 1)
+    attributes = [
+        ("channels", "chlist", b"".join(name.encode() + b"\0" + float32 for name in names) + b"\0"),
+        ("compression", "compression", b"\0"),
+        ("dataWindow", "box2i", window),
+        ("displayWindow", "box2i", window),
+        ("lineOrder", "lineOrder", b"\0"),
+        ("pixelAspectRatio", "float", struct.pack("<f", 1)),
+        ("screenWindowCenter", "v2f", struct.pack("<2f", 0, 0)),
+        ("screenWindowWidth", "float", struct.pack("<f", 1)),
+    ]
+    header = struct.pack("<ii", 20000630, 2)
+    for name, kind, value in attributes:
+        header += f"{name}\0{kind}\0".encode() + struct.pack("<i", len(value)) + value
+    header += b"\0"
+    rows = [b"".join(channels[name][y].tobytes() for name in names) for y in range(height)]
+    size = 8 + len(rows[0])
+    begin = len(header) + 8 * height
+    offsets = b"".join(struct.pack("<Q", begin + y * size) for y in range(height))
+    lines = b"".join(struct.pack("<ii", y, len(row)) + row for y, row in enumerate(rows))
+    path.write_bytes(header + offsets + lines)
+
+
+def test_layers_are_read_by_their_names(tmp_path: Path) -> None:
+    random = np.random.default_rng(3)
+    layers = {
+        name: random.random((3, 5, 3), np.float32)
+        for name in ("View.Combined", "View.Emit", "View.NotEmit", "Env")
+    }
+    file = tmp_path / "layers.exr"
+    write_layers(file, layers)
+    for name, image in layers.items():
+        found = lightcull._core.read_layer(str(file), name.rpartition(".")[2])
+        assert np.array_equal(found, image)
+    with pytest.raises(lightcull.Error, match="layers.exr: cannot read: there is no layer mit"):
+        lightcull._core.read_layer(str(file), "mit")
 
 
 class CountingPeer:
@@ -345,16 +395,19 @@ def test_a_pbrt_file_says_what_the_scene_is(tmp_path: Path) -> None:
         'AreaLightSource "diffuse" "rgb L" [4 5 3] "bool twosided" false',
     ):
         assert line in text
-    assert text.count('"plymesh"') == text.count("AttributeBegin") == len(list(tmp_path.glob("*.ply")))
+    files = list(tmp_path.glob("*.ply"))
+    assert text.count('"plymesh"') == text.count("AttributeBegin") == len(files)
     ply = (tmp_path / "surface0.ply").read_bytes()
     header, data = ply.split(b"end_header\n")
     assert b"element vertex 4" in header and b"element face 2" in header
-    assert np.array_equal(np.frombuffer(data, "<f4", 20).reshape(4, 5)[:, :3], square(4, 0, facing_up=True))
+    vertices = np.frombuffer(data, "<f4", 20).reshape(4, 5)
+    assert np.array_equal(vertices[:, :3], square(4, 0, facing_up=True))
     assert len(data) == 4 * 20 + 2 * 13
 
 
 def test_a_pbrt_file_cannot_have_maps_that_emit(tmp_path: Path) -> None:
-    for kind, message in ((textured, "multiplies a texture"), (sky_map, "the environment is a map")):
+    refused = {"multiplies a texture": textured, "the environment is a map": sky_map}
+    for message, kind in refused.items():
         scene = floor()
         kind(scene)
         with pytest.raises(lightcull.Error, match=message):
@@ -400,8 +453,9 @@ def test_pbrt_shows_the_same_scene(kind: str) -> None:
     scene = lightcull.Scene("grey")
     scene.add_mesh(square(4, 0, facing_up=True), QUAD)
     scene.set_camera(origin=(0, 3, 6), target=(0, 0.5, 0))
+    down = square(0.3, 2, facing_up=False)
     {
-        "lamps": lambda: scene.add_light_mesh(square(0.3, 2, facing_up=False), QUAD, radiance=(4, 4, 4)),
+        "lamps": lambda: scene.add_light_mesh(down, QUAD, radiance=(4, 4, 4)),
         "points": lambda: scene.add_point_light((0, 1.5, 0), (3, 3, 3)),
         "sun": lambda: scene.add_directional_light((0.3, -1, 0.2), (1, 1, 1)),
         "sky": lambda: scene.set_environment((0.5, 0.5, 0.5)),

@@ -26,7 +26,7 @@ _WORKER = Path(__file__).with_name("blender_worker.py")
 _ANSWER = "lightcull-answer: "
 """As the worker has it, which can import nothing of ours."""
 _PYTHON = "LIGHTCULL_BPY_PYTHON"
-"""Names the Python that has bpy, which is made for one version of Python each; else it is this one."""
+"""Names the Python that has bpy, which is made for one version of Python; else it is this one."""
 
 
 def check_blender() -> None:
@@ -68,7 +68,7 @@ class Blender:
         }
         _write(self._folder, scene, about)
         self._process = subprocess.Popen(
-            # -P: modules that are next to the worker are not for Blender, which has a "cycles", too.
+            # -P: modules next to the worker are not for Blender, which has a "cycles", too.
             [os.environ.get(_PYTHON, sys.executable), "-P", str(_WORKER), str(self._folder)],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
