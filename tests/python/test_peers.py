@@ -16,6 +16,7 @@ import pytest
 from conftest import QUAD, square
 
 import lightcull
+import lightcull.peers.blender
 from lightcull.peers.exported import Surface, export
 from lightcull.peers.job import PeerJob
 from lightcull.peers.pbrt_file import write_pbrt
@@ -165,6 +166,19 @@ def test_cycles_shows_the_same_scene(kind: str) -> None:
     assert_alike(
         many_means(subject, "culled", 16, "image"), many_means(subject, "cycles", 16, "image")
     )
+
+
+@with_cycles
+@pytest.mark.parametrize("kind", ["lamps", "textured"])
+def test_cycles_takes_many_radiances_from_an_attribute(
+    kind: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(lightcull.peers.blender, "MOST_MATERIALS", 0)
+    scene = floor()
+    KINDS[kind](scene)
+    subject = SubjectWithPeers(scene)
+    ours = many_means(subject, "culled", 64, "lit")
+    assert_alike(ours, many_means(subject, "cycles", 64, "lit"))
 
 
 @with_cycles

@@ -28,6 +28,9 @@ _ANSWER = "lightcull-answer: "
 _PYTHON = "LIGHTCULL_BPY_PYTHON"
 """Names the Python that has bpy, which is made for one version of Python; else it is this one."""
 
+MOST_MATERIALS = 16384
+"""More surfaces than these get their radiance from an attribute, which Cycles knows less of."""
+
 
 def check_blender() -> None:
     """Throws Error where there is no Blender."""
@@ -65,6 +68,7 @@ class Blender:
             "max_depth": settings.max_depth,
             "threads": threads,
             "light_tree": light_tree,
+            "most_materials": MOST_MATERIALS,
         }
         _write(self._folder, scene, about)
         self._process = subprocess.Popen(

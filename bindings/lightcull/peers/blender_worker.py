@@ -24,9 +24,6 @@ import numpy as np
 ANSWER = "lightcull-answer: "
 """Blender prints, too."""
 
-_MOST_MATERIALS = 1024
-"""Surfaces beyond these get their radiance from an attribute, which Cycles knows less of."""
-
 
 class _Nodes:
     """A tree of nodes that is being built."""
@@ -113,7 +110,7 @@ class _Builder:
     def _set_materials(self, mesh: Any, surface: np.ndarray) -> None:
         surfaces = self._about["surfaces"]
         used, which = np.unique(surface, return_inverse=True)
-        by_attribute = len(used) > _MOST_MATERIALS
+        by_attribute = len(used) > self._about["settings"]["most_materials"]
         slots: dict[str, int] = {}
         slot_of = []
         for index in used:
