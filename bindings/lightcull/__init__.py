@@ -13,6 +13,7 @@ Metres, radians, linear RGB. Arrays are C-contiguous float32 (N, 3), ids uint32.
 #   scene, sampler    what is rendered, and what chooses its lights
 #   scenes, loaders   scenes made by code and from files
 #   rendering         one image; report: the figures and the page of a comparison
+#   peers             other renderers, of which the same scene is shown
 #   comparing, methods, bench, selftest   measurements made of renders and selections
 #   mitsuba           scenes of Mitsuba's, rendered there or here
 #   cli               the command
@@ -24,6 +25,7 @@ from .comparing.compare import SAMPLERS, compare
 from .images import apply_view, read_image, view_names, write_exr, write_png
 from .loaders import UnsupportedWarning, example_scene, load, open_scene
 from .methods import MethodReport, compare_methods
+from .rendering.frames import Frames
 from .rendering.job import SubjectJob
 from .rendering.method import METHODS
 from .rendering.own_sampler import OwnSampler, SamplerLibrary
@@ -54,6 +56,7 @@ __all__ = [
     "Camera",
     "Comparison",
     "Error",
+    "Frames",
     "LightSampler",
     "LightSelector",
     "MethodReport",

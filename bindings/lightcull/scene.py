@@ -25,7 +25,7 @@ class Scene:
     """Geometry, materials, emitters and a camera, in metres, radians and linear RGB.
 
     Fill it, then render it. The first use (`render`, `lights`, a `LightSampler`) closes it: nothing
-    can be added from then on. Arrays must be C-contiguous float32, or uint32 for indices; another
+    can be added from then on, but what there is can be moved, while nothing renders it. Arrays must be C-contiguous float32, or uint32 for indices; another
     dtype or shape is a TypeError, and values that make no sense are a `lightcull.Error`.
 
     >>> scene = Scene()
@@ -43,9 +43,10 @@ class Scene:
         self._camera = Camera()
         self._digest = SceneDigest()
         self._closed = False
+        self._moved = False
         self._lock = threading.Lock()
         self._default_materials: dict[float, int] = {}
-        self._bounds: np.ndarray | None = None
+        self._mesh_bounds: dict[int, np.ndarray] = {}
         self._counts = {"meshes": 0, "materials": 0, "textures": 0, "points": 0, "spots": 0}
         self._counts["directional lights"] = self._counts["virtual lights"] = 0
 
@@ -233,6 +234,39 @@ class Scene:
         self._digest.add("camera", *parameters)
         self._camera = Camera(_triple(origin), _triple(target), _triple(up), *lens)
 
+    def set_mesh_positions(
+        self, mesh: int, positions: np.ndarray, normals: np.ndarray | None = None
+    ) -> None:
+        """Moves the corners of a mesh, of lamps or anything else; see `Frames`.
+
+        mesh: an id of `add_mesh` or `add_light_mesh`. positions: float32 (N, 3), metres, as many as
+        it was added with. normals: likewise, of a mesh that has them; None: they stay.
+        """
+        checks.whole_number("mesh", mesh, most=_core.NO_TEXTURE - 1)
+        with self._lock:
+            self._core.set_mesh_positions(mesh, positions, normals)
+            self._moved = True
+        self._digest.add("mesh positions", mesh, positions, normals)
+        self._include(mesh, positions)
+
+    def set_light_positions(self, positions: np.ndarray) -> None:
+        """Moves the points and spots: float32 (N, 3), metres, one for each in the order in which
+        they were added.
+        """
+        with self._lock:
+            self._core.set_light_positions(positions)
+            self._moved = True
+        self._digest.add("light positions", positions)
+
+    def set_light_directions(self, directions: np.ndarray) -> None:
+        """Turns the spots and directional lights: float32 (N, 3), any length but 0, one for each in
+        the order in which they were added.
+        """
+        with self._lock:
+            self._core.set_light_directions(directions)
+            self._moved = True
+        self._digest.add("light directions", directions)
+
     @property
     def camera(self) -> Camera:
         """The camera that `set_camera` placed."""
@@ -241,7 +275,10 @@ class Scene:
     @property
     def bounds(self) -> np.ndarray | None:
         """Smallest and largest corner of all meshes, float32 (2, 3), metres; None without any."""
-        return None if self._bounds is None else self._bounds.copy()
+        if not self._mesh_bounds:
+            return None
+        corners = np.stack(list(self._mesh_bounds.values()))
+        return np.stack([corners[:, 0].min(axis=0), corners[:, 1].max(axis=0)])
 
     @property
     def triangle_count(self) -> int:
@@ -273,11 +310,14 @@ class Scene:
         return self._digest.hexdigest()
 
     def closed(self) -> _core.Scene:
-        """The compiled scene, ready to be rendered; nothing can be added any more."""
+        """The compiled scene, ready to be rendered as it is now; nothing can be added any more."""
         with self._lock:
             if not self._closed:
                 self._core.commit()
                 self._closed = True
+            elif self._moved:
+                self._core.refit()
+            self._moved = False
         return self._core
 
     def __repr__(self) -> str:
@@ -299,19 +339,12 @@ class Scene:
         mesh = self._core.add_mesh(*parameters)
         self._digest.add("mesh", *parameters)
         self._counts["meshes"] += 1
-        self._include(positions)
+        self._include(mesh, positions)
         return mesh
 
-    def _include(self, positions: np.ndarray) -> None:
-        if len(positions) == 0:
-            return
-        corners = [positions.min(axis=0), positions.max(axis=0)]
-        if self._bounds is not None:
-            corners = [
-                np.minimum(corners[0], self._bounds[0]),
-                np.maximum(corners[1], self._bounds[1]),
-            ]
-        self._bounds = np.stack(corners)
+    def _include(self, mesh: int, positions: np.ndarray) -> None:
+        if len(positions) > 0:
+            self._mesh_bounds[mesh] = np.stack([positions.min(axis=0), positions.max(axis=0)])
 
     def _default_material(self, grey: float) -> int:
         if grey not in self._default_materials:

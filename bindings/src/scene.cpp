@@ -3,6 +3,9 @@
 #include "arrays.h"
 #include "module.h"
 #include "records.h"
+#include "scene_contents.h"
+
+#include <pybind11/stl.h>
 
 #include <algorithm>
 #include <memory>
@@ -78,6 +81,13 @@ void set_camera(Scene& scene, const py::object& origin, const py::object& target
     scene.set_camera(camera);
 }
 
+void set_mesh_positions(Scene& scene, MeshId mesh, const py::object& positions,
+                        const py::object& normals) {
+    const Rows<float3> position_rows(positions, "positions");
+    const auto normal_rows = Rows<float3>::optional(normals, "normals", position_rows.size());
+    scene.set_mesh_positions(mesh, position_rows.span(), normal_rows.span());
+}
+
 py::object lights_of(const Scene& scene) {
     const Span<const Light> lights = scene.lights();
     py::object array = new_array(py::make_tuple(lights.size()), light_dtype());
@@ -114,6 +124,22 @@ void bind_scene(py::module_& module) {
         .def("set_environment", &set_environment)
         .def("set_camera", &set_camera)
         .def("commit", &Scene::commit, py::call_guard<py::gil_scoped_release>())
+        .def("set_mesh_positions", &set_mesh_positions)
+        .def("set_light_positions",
+             [](Scene& scene, const py::object& positions) {
+                 scene.set_light_positions(Rows<float3>(positions, "positions").span());
+             })
+        .def("set_light_directions",
+             [](Scene& scene, const py::object& directions) {
+                 scene.set_light_directions(Rows<float3>(directions, "directions").span());
+             })
+        .def("refit",
+             [](Scene& scene) {
+                 const py::gil_scoped_release release;
+                 const SceneRefit done = scene.refit();
+                 return std::make_pair(done.rebuilt, done.growth);
+             })
+        .def("contents", [](const Scene& scene) { return contents_as_dict(contents_of(scene)); })
         .def("lights", &lights_of)
         .def("light_count", [](const Scene& scene) { return scene.lights().size(); })
         .def("emitter_count", &Scene::emitter_count)

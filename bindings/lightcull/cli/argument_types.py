@@ -8,6 +8,7 @@ import re
 
 from .._core import Error, instruction_sets
 from ..checks import MOST_32_BITS, MOST_64_BITS, MOST_PIXELS
+from ..peers.subject import is_peer
 from ..rendering.method import check_method
 from ..report import METRICS
 from ..sampler import check_description
@@ -99,7 +100,11 @@ def metric_list(text: str) -> list[str]:
 
 
 def sampler_list(text: str) -> list[str]:
-    return [sampler(description) for description in text.split(",")]
+    """Samplers, and renderers beside ours: whether those are there is known later."""
+    return [
+        description if is_peer(description) else sampler(description)
+        for description in text.split(",")
+    ]
 
 
 def thread_counts(text: str) -> list[int]:

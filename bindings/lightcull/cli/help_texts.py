@@ -74,6 +74,7 @@ examples:
   lightcull compare city --samplers light_bvh,culled,learned -o report-city
   lightcull compare cornell --samplers culled:sets=16,culled:sets=64 --spp 64
   lightcull compare --host mitsuba scene.xml --samplers path,learned
+  lightcull compare lanterns --samplers learned,cycles,cycles:light_tree=off
   lightcull compare cornell --methods path,vpl_culled,vpl_clamped,vpl_grid -o report-methods
 
 Builds and refits count as render time. The samplers take turns, so that a noisy machine is fair to
@@ -83,6 +84,10 @@ on surfaces; the error of lamps that the camera sees directly, which is the same
 beside. A reference is rendered first, for 8 times as long, by learned with seeds of its own, and kept
 in ~/.cache/lightcull; its noise is taken off the errors. The folder gets index.html, report.json,
 report.csv and the images.
+
+cycles and pbrt, among the samplers, are other renderers, by equal time of processors: Cycles where
+Python has Blender's module bpy (or one that LIGHTCULL_BPY_PYTHON names), with its light tree or with
+light_tree=off; pbrt-v4 where its program is on the path.
 
 With --methods each method renders for --seconds, and then virtual lights are counted and timed from
 1,024 light paths to --most-lights: stochastic tiled lighting against constant ranges, spheroids

@@ -244,6 +244,11 @@ float visible_factor(const Evidence& evidence) noexcept {
     return std::clamp(std::sqrt(visible), kLeastVisible, kMostVisible);
 }
 
+Evidence evidence_of(float visible_factor, float tries) noexcept {
+    if (visible_factor > kMostVisible) return {};
+    return {tries, tries * visible_factor * visible_factor};
+}
+
 void rebuild_cut(const LightBvh<MeansNode>& bvh, const LeafOrder& leaves, const CutPlace& place,
                  ClusterCut& cut, CutEvidence& evidence) {
     const KnownEvidence known(bvh, cut, evidence);

@@ -43,6 +43,9 @@ struct CutEvidence {
 /// afterwards at most kMostVisible.
 float visible_factor(const Evidence& evidence) noexcept;
 
+/// As many tries, or none, of which visible_factor() gives this, about.
+Evidence evidence_of(float visible_factor, float tries) noexcept;
+
 /// The least that visible_factor() returns: no light's probability is below that times what it
 /// would be without learning.
 inline constexpr float kLeastVisible = 0.02f;

@@ -251,6 +251,28 @@ void LearnedCells::refresh(const LearnedLights& lights) noexcept {
     });
 }
 
+void LearnedCells::learn_anew() {
+    if (limits_.rounds == 0) return;
+    constexpr float kRays = 8.0f;
+    if (learning()) {
+        drop_reports();
+    } else {
+        new_cells_ = std::make_unique<NewCells>();
+        fresh_.reset(new Fresh[size()]);
+        evidence_.reserve(most_cells());
+        evidence_.resize(size());
+        for (std::size_t i = 0; i < size(); ++i) {
+            for (std::uint32_t k = 0; k < cuts_[i].size; ++k) {
+                evidence_[i].of[k] = evidence_of(cuts_[i].visible[k], kRays);
+            }
+        }
+    }
+    for (CutEvidence& cell : evidence_) {
+        for (Evidence& known : cell.of) known = known.at_most(kRays);
+    }
+    round_ = published_ = 0;
+}
+
 std::size_t LearnedCells::memory_size() const noexcept {
     return tree_.memory_size() + size_of(places_) + size_of(cuts_) + size_of(evidence_) +
            (fresh_ ? size() * sizeof(Fresh) : 0) + (new_cells_ ? NewCells::memory_size() : 0);

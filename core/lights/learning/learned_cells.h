@@ -87,6 +87,9 @@ class LearnedCells {
     void learn(const LearnedLights& lights);
     /// Fits the cuts to lights that have moved in a tree of the same topology.
     void refresh(const LearnedLights& lights) noexcept;
+    /// Begins the rounds anew, since what was learned may not be so any more: it counts for no more
+    /// than a few rays to each cluster. Reports since the last learn() are forgotten.
+    void learn_anew();
     /// True if the next learn() may change the cells.
     bool due() const noexcept;
 

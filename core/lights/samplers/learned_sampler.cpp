@@ -323,6 +323,7 @@ class LearnedSampler final : public LightSampler, public SamplerInfo {
         current_.reset();
         cells_ = result.rebuilt ? no_cells() : std::make_shared<LearnedCells>(*cells_);
         cells_->refresh(*lights_);
+        cells_->learn_anew();
         renew();
         return result;
     }

@@ -25,6 +25,10 @@ enum class PixelType { kHalf, kFloat };
 /// `linear_data` (roughness maps and the like). Throws Error with the path and the reason.
 LIGHTCULL_EXPORT Image read_image(const std::string& path, bool linear_data = false);
 
+/// Reads a layer of an OpenEXR file of several layers or parts: the channels NAME.R, NAME.G and
+/// NAME.B, whatever stands before NAME and a point. Throws Error with the path and the reason.
+LIGHTCULL_EXPORT Image read_layer(const std::string& path, const std::string& name);
+
 /// Writes an OpenEXR file, with `metadata` as string attributes. The file appears whole or not at
 /// all. Throws Error with the path and the reason.
 LIGHTCULL_EXPORT void write_exr(const std::string& path, const Image& image, PixelType type,

@@ -240,6 +240,48 @@ TEST_CASE("learned comes to rest after its rounds") {
     CHECK(before.prob == after.prob);
 }
 
+TEST_CASE("learned: after an update it learns anew, also from rest") {
+    // Of two lights above a wall each is a cluster of its own. First the one is hidden, then the
+    // other; what was learned counts for eight rays.
+    std::vector<Light> lights = {point_light({-1, 1, 0}, 1.0f), point_light({1, 1, 0}, 1.0f)};
+    for (int i = 0; i < 4; ++i) lights.push_back(point_light({0, -1, 0}, 1.0f));  // not of use
+    ShadingPoint point;
+    point.position = {0.1f, 0.0f, 0.1f};
+    point.normal = {0, 1, 0};
+    for (const char* const description : {"learned", "learned:rounds=3"}) {
+        CAPTURE(description);
+        const auto sampler = make_sampler(description, lights);
+        std::uint64_t pass = 0;
+        const auto look = [&](std::uint32_t light, int tries, float visibility) {
+            const Receipt receipt = sampler->select(point, 0.5f).receipt;
+            const LightOutcome outcome{point.position, point.normal, receipt, light, visibility};
+            for (int i = 0; i < tries; ++i) sampler->report({&outcome, 1});
+            sampler->begin_pass(++pass);
+        };
+        const auto visibility = [&](std::uint32_t light) {
+            return double{sampler_info(*sampler)->learned_visibility(point, light)};
+        };
+        look(0, 1, 0.0f);  // makes the cell
+        look(0, 180, 0.0f);
+        look(0, 180, 0.0f);
+        CHECK(visibility(0) == doctest::Approx(0.02 * 0.02));
+        const bool rests = description != std::string("learned");
+        CHECK(sampler->wants_reports() == !rests);
+        lights[1].center.x += 0.01f;
+        CHECK_FALSE(sampler->update(lights).rebuilt);
+        sampler->begin_pass(++pass);
+        CHECK(sampler->wants_reports());
+        CHECK(visibility(0) == doctest::Approx(0.02 * 0.02));  // until there is news
+        look(0, 24, 1.0f);
+        CHECK(visibility(0) == doctest::Approx((24.0 + 0.1) / (32.0 + 0.1)).epsilon(0.01));
+        // Rounds are counted anew.
+        CHECK(sampler->wants_reports());
+        look(0, 1, 1.0f);
+        look(0, 1, 1.0f);
+        CHECK(sampler->wants_reports() == !rests);
+    }
+}
+
 TEST_CASE("learned: what was saved goes on to the bit, reports under way included") {
     const std::vector<Light> lights = lamps();
     const std::vector<ShadingPoint> points = floor_points(1500);
