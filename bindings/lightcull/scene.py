@@ -13,6 +13,7 @@ import numpy as np
 from . import _core, checks
 from ._core import Error
 from .camera import Camera
+from .file_settings import FileSettings
 from .scene_digest import SceneDigest
 
 Vector: TypeAlias = Sequence[float] | np.ndarray
@@ -39,6 +40,8 @@ class Scene:
     def __init__(self, name: str = "scene") -> None:
         self.name = checks.text("name", name)
         """What images and reports call it."""
+        self.file_settings = FileSettings()
+        """How its file wants to be rendered."""
         self._core = _core.Scene()
         self._camera = Camera()
         self._digest = SceneDigest()

@@ -102,6 +102,14 @@ def sampler_list(text: str) -> list[str]:
     return [sampler(description) for description in text.split(",")]
 
 
+def definition(text: str) -> tuple[str, str]:
+    """A name and its value."""
+    name, equals, value = text.partition("=")
+    if not name or not equals:
+        raise argparse.ArgumentTypeError(f"wanted NAME=VALUE, got {text!r}")
+    return name, value
+
+
 def thread_counts(text: str) -> list[int]:
     return [from_one(count) for count in text.split(",")]
 

@@ -100,6 +100,7 @@ def make_parser() -> argparse.ArgumentParser:
     _add_sampler(info)
     _add_method(info)
     _add_image(info)
+    _add_mitsuba(info)
     selftest = add("selftest", "check hard cases on this machine", texts.SELFTEST)
     selftest.add_argument("--json", metavar="FILE", help="file to write the results to")
     selftest.add_argument(
@@ -122,6 +123,17 @@ def _add_scene(parser: argparse.ArgumentParser) -> None:
         help="unit of the points, spots and suns of a glTF file beside surfaces that emit: candela "
         "and lux, which are divided by 683, as Blender has multiplied them unless told not to, or "
         "watts; default: watts",
+    )  # fmt: skip
+
+
+def _add_mitsuba(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--host", choices=["mitsuba"], help="renderer to use; default: mitsuba for an .xml"
+    )
+    parser.add_argument("--variant", help="of Mitsuba, for an .xml alone; default: scalar_rgb")
+    parser.add_argument(
+        "-D", "--define", type=types.definition, action="append", metavar="NAME=VALUE",
+        help="of an .xml alone: value of a parameter $NAME, in place of its default",
     )  # fmt: skip
 
 
@@ -218,10 +230,7 @@ def _add_shared(
 ) -> None:
     _add_scene(parser)
     _add_image(parser)
-    parser.add_argument(
-        "--host", choices=["mitsuba"], help="renderer to use; default: mitsuba for an .xml"
-    )
-    parser.add_argument("--variant", help="of Mitsuba, for an .xml alone; default: scalar_rgb")
+    _add_mitsuba(parser)
     budget = parser.add_mutually_exclusive_group()
     budget.add_argument(
         "--seconds", type=types.positive, metavar="S", help=f"render time; default: {seconds:g}"
@@ -233,7 +242,8 @@ def _add_shared(
     parser.add_argument("--seed", type=types.seed, default=0, metavar="N", help="default: 0")
     parser.add_argument(
         "--rr-depth", type=types.from_one, metavar="N",
-        help=f"edges from which Russian roulette may end a path; default: {RR_DEPTH}",
+        help=f"edges from which Russian roulette may end a path; default: {RR_DEPTH}; of an .xml: "
+        "its own",
     )  # fmt: skip
     parser.add_argument(
         "--direct-light", choices=DIRECT_LIGHT,

@@ -13,23 +13,27 @@ from .._core import Error
 from ..loaders.unsupported import Notes, UnsupportedWarning
 from ..scene import Scene
 from .host import mitsuba
+from .mitsuba_scene import MitsubaScene
 
 _GREY = (0.5, 0.5, 0.5)
 _PRINCIPLED_LEFT_OUT = ("anisotropic", "clearcoat", "flatness", "sheen", "spec_tint", "spec_trans")
 """Parameters of a principled material that ours has not, where they are above 0."""
 
 
-def import_scene(scene: Any, name: str = "scene") -> Scene:
-    """Makes a `lightcull.Scene` of a loaded `mitsuba.Scene`, for this project's own renderer.
+def import_scene(scene: Any, name: str | None = None) -> Scene:
+    """Makes a `lightcull.Scene` of a scene of Mitsuba's, for this project's own renderer.
 
-    An RGB variant must be set. Taken over are meshes and rectangles; diffuse and principled
+    scene: what `load_file` gave, or a `mitsuba.Scene`, of an RGB variant, which must be set. name:
+    for messages; None: that of the file. What film and integrator say of size and depths holds
+    for `lightcull.render`, too, unless it is told otherwise. Taken over are meshes and rectangles; diffuse and principled
     materials, and those two-sided; area emitters with a colour, a texture or a `face_radiance`;
     points, spots, directional lights, environments; the first sensor. All else is named in one
     `UnsupportedWarning`; what emits by it is left out, and materials are grey.
     """
     if "rgb" not in mitsuba().variant():
         raise Error(f"import_scene: wanted an RGB variant, got {mitsuba().variant()}")
-    return _Import(scene, name).run()
+    source = scene if isinstance(scene, MitsubaScene) else MitsubaScene(scene)
+    return _Import(source, source.name if name is None else name).run()
 
 
 @dataclass(frozen=True)
@@ -45,10 +49,13 @@ class _Geometry:
 class _Import:
     """One import under way."""
 
-    def __init__(self, source: Any, name: str) -> None:
-        self._source = source
+    def __init__(self, source: MitsubaScene, name: str) -> None:
+        self._source = source.scene
         self._scene = Scene(name)
+        self._scene.file_settings = source.file_settings
         self._notes = Notes()
+        if source.integrator.hide_emitters:
+            self._notes.left_out("hide_emitters")
         self._materials: dict[int, int] = {}
 
     def run(self) -> Scene:
