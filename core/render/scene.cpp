@@ -130,7 +130,8 @@ void check_mesh(const std::string& name, const Mesh& mesh, const SceneData& scen
 
 /// The largest coordinate, but for its sign, of what is in the scene.
 float reach_of(const SceneData& scene) noexcept {
-    float reach = max_component(abs(to_v3f(scene.camera.origin))) + scene.camera.aperture_radius;
+    float reach = max_component(abs(to_v3f(scene.camera.origin))) + scene.camera.aperture_radius +
+                  scene.camera.orthographic_height;
     for (const V3f& p : scene.positions) reach = std::max(reach, max_component(abs(p)));
     for (const Light& light : scene.lights) {
         reach = std::max(reach, max_component(abs(to_v3f(light.center))));

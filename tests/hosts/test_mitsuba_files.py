@@ -14,6 +14,8 @@ import pytest
 mi = pytest.importorskip("mitsuba", reason="Mitsuba is not installed")
 
 import lightcull  # noqa: E402
+from lightcull.camera import View  # noqa: E402
+from lightcull.loaders.completion import surround  # noqa: E402
 from lightcull.mitsuba import MitsubaScene, import_scene, load_file  # noqa: E402
 
 SPP = 64
@@ -43,6 +45,8 @@ STAGE = """
 """
 DEPTH_2 = '<integer name="max_depth" value="2"/>'
 DEPTH_3 = '<integer name="max_depth" value="3"/>'
+PATH_OF_2 = f'<integrator type="path">{DEPTH_2}</integrator>'
+PATH_OF_3 = f'<integrator type="path">{DEPTH_3}</integrator>'
 HIDDEN = '<boolean name="hide_emitters" value="true"/>'
 FOG = """
 <shape type="sphere">
@@ -83,7 +87,7 @@ def mean_by_mitsuba(path: Path, **parameters: str) -> float:
 @pytest.mark.parametrize(
     ("integrator", "expected"),
     [
-        (f'<integrator type="path">{DEPTH_2}</integrator>', 0.4313),
+        (PATH_OF_2, 0.4313),
         (f'<integrator type="path">{DEPTH_3}{HIDDEN}</integrator>', 0.239),
         ('<integrator type="path"><integer name="rr_depth" value="2"/></integrator>', 0.4515),
         ('<integrator type="path"/>', 0.4515),
@@ -125,7 +129,7 @@ def test_integrators_within_others_hold(tmp_path: Path, around: str, named: str)
 
 
 def test_an_integrator_in_an_include_holds(tmp_path: Path) -> None:
-    write(tmp_path, f'<integrator type="path">{DEPTH_2}</integrator>', "", "part.xml")
+    write(tmp_path, PATH_OF_2, "", "part.xml")
     scene, said = loaded(write(tmp_path, '<include filename="part.xml"/>'))
     assert said == ""
     assert mean(scene) == pytest.approx(0.4313, rel=0.015)
@@ -173,7 +177,7 @@ def test_media_are_rendered_by_mitsuba_itself(tmp_path: Path) -> None:
 
 
 def test_what_a_call_says_comes_before_the_file(tmp_path: Path) -> None:
-    scene, _ = loaded(write(tmp_path, f'<integrator type="path">{DEPTH_2}</integrator>'))
+    scene, _ = loaded(write(tmp_path, PATH_OF_2))
     result = lightcull.render(scene, spp=1, size=(8, 6), max_depth=1)
     assert result.max_depth == 1 and result.image.shape == (6, 8, 3)
 
@@ -196,7 +200,13 @@ def test_parameters_have_defaults_and_can_be_set(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("pixel_format", "is_grey"),
-    [("luminance", True), ("luminance_alpha", True), ("rgba", False), ("xyz", False), ("xyza", False)],
+    [
+        ("luminance", True),
+        ("luminance_alpha", True),
+        ("rgba", False),
+        ("xyz", False),
+        ("xyza", False),
+    ],
 )
 def test_films_of_other_pixel_formats(tmp_path: Path, pixel_format: str, is_grey: bool) -> None:
     """A red light: 0.2126 of it is its luminance (ITU-R BT.709)."""
@@ -204,7 +214,7 @@ def test_films_of_other_pixel_formats(tmp_path: Path, pixel_format: str, is_grey
         'name="radiance" value="5"', 'name="radiance" value="5, 0, 0"'
     )
     film = f'<film type="hdrfilm"><string name="pixel_format" value="{pixel_format}"/>'
-    integrator = f'<integrator type="path">{DEPTH_2}</integrator>'
+    integrator = PATH_OF_2
     scene, _ = loaded(write(tmp_path, integrator, red.replace('<film type="hdrfilm">', film)))
     image = lightcull.render(scene, spp=SPP).image
     expected = 0.4313 * np.array([0.2126] * 3 if is_grey else [1, 0, 0])
@@ -239,7 +249,7 @@ def test_what_cannot_be_rendered_is_one_line(
 
 def test_an_imported_scene_agrees_with_its_host(tmp_path: Path) -> None:
     """Size and depths, too, which are the file's in both."""
-    for integrator in (f'<integrator type="path">{DEPTH_3}</integrator>', '<integrator type="direct"/>'):
+    for integrator in (PATH_OF_3, '<integrator type="direct"/>'):
         host, _ = loaded(write(tmp_path, integrator))
         with warnings.catch_warnings():
             warnings.simplefilter("error")
@@ -288,3 +298,174 @@ def test_commands_take_parameters_and_tell_what_holds(tmp_path: Path) -> None:
     write(tmp_path, "", "", "empty.xml")
     empty = command(tmp_path, "info", "empty.xml")
     assert empty.returncode == 0 and "none" in empty.stdout
+
+
+SENSORS = STAGE + """
+<sensor type="orthographic" id="above">
+  <transform name="to_world">
+    <scale x="3" y="3"/><lookat origin="0, 5, 0" target="0, 0, 0" up="0, 0, -1"/>
+  </transform>
+  <film type="hdrfilm"><integer name="width" value="40"/><integer name="height" value="30"/></film>
+</sensor>
+<sensor type="thinlens" id="lens">
+  <float name="aperture_radius" value="0.2"/><float name="focus_distance" value="5"/>
+  <float name="fov" value="30"/>
+  <transform name="to_world"><lookat origin="3, 2, 4" target="0, 0.6, 0" up="0, 1, 0"/></transform>
+  <film type="hdrfilm"><integer name="width" value="40"/><integer name="height" value="30"/></film>
+</sensor>
+"""
+
+
+@pytest.mark.parametrize(("which", "number"), [("front", 0), ("above", 1), (1, 1), ("lens", 2)])
+def test_sensors_are_chosen_by_name_or_number_in_both_renderers(
+    tmp_path: Path, which: str | int, number: int
+) -> None:
+    host, _ = loaded(write(tmp_path, PATH_OF_2, SENSORS))
+    host.use_camera(which)
+    image = lightcull.render(host, spp=4 * SPP).image
+    expected = np.array(mi.render(host.scene, sensor=number, spp=4 * SPP, seed=7))[..., :3]
+    assert image.shape == expected.shape
+    assert image.mean() == pytest.approx(expected.mean(), rel=TOLERANCE)
+    ours = import_scene(host)
+    assert [camera.name for camera in ours.cameras] == ["front", "above", "lens"]
+    shown = lightcull.render(ours, spp=4 * SPP).image
+    assert shown.shape == expected.shape
+    assert abs(shown - expected).mean() < 0.05 * expected.mean()
+
+
+@pytest.mark.parametrize(
+    "camera",
+    [
+        lightcull.Camera((3, 2, 4), (0, 0.5, 0), vertical_fov=0.6),
+        lightcull.Camera((0, 3, 4), (0, 0, 0), orthographic_height=4.0),
+        View(origin=(3, 3, 4)),
+        View("lens", vertical_fov=0.9),
+    ],
+)
+def test_other_cameras_show_the_same_in_both_renderers(
+    tmp_path: Path, camera: lightcull.Camera | View
+) -> None:
+    path = write(tmp_path, PATH_OF_2, SENSORS)
+    host, _ = loaded(path)
+    before = host.digest()
+    host.use_camera(camera)
+    assert host.digest() != before
+    image = lightcull.render(host, spp=4 * SPP).image
+    shown = lightcull.render(import_scene(host), spp=4 * SPP).image
+    assert shown.shape == image.shape
+    assert abs(shown - image).mean() < 0.06 * image.mean()
+
+
+def test_a_camera_makes_up_for_a_sensor_that_is_missing(tmp_path: Path) -> None:
+    bare = STAGE[STAGE.index("<emitter") :]
+    host, _ = loaded(write(tmp_path, PATH_OF_2, bare))
+    with pytest.raises(lightcull.Error, match="has no sensor"):
+        lightcull.render(host, spp=1)
+    host.use_camera(View(origin=(0, 2, 6), target=(0, 0.6, 0)))
+    assert lightcull.render(host, spp=4).image.shape == (240, 320, 3)
+
+
+@pytest.mark.parametrize("given", ["0.2,0.4,0.8", "sky.exr", "studio", "none"])
+def test_other_surroundings_show_the_same_in_both_renderers(
+    tmp_path: Path, given: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    texels = np.random.default_rng(1).uniform(0, 2, (8, 16, 3)).astype(np.float32)
+    texels[:, :4] *= 5  # one side is brighter
+    lightcull.write_exr(tmp_path / "sky.exr", texels)
+    host, _ = loaded(write(tmp_path, PATH_OF_2))
+    before = host.digest()
+    host.surround(given, 0.5)
+    assert host.digest() != before
+    image = lightcull.render(host, spp=SPP).image
+    ours = import_scene(host)
+    assert ours.has_environment == (given != "none")
+    shown = lightcull.render(ours, spp=SPP).image
+    assert shown.mean() == pytest.approx(image.mean(), rel=0.02)
+    assert abs(shown - image).mean() < 0.1 * image.mean()
+    expected, _ = loaded(write(tmp_path, PATH_OF_2))
+    same = import_scene(expected)
+    surround(same, given, 0.5)
+    assert lightcull.render(same, spp=SPP).image.mean() == pytest.approx(shown.mean(), rel=0.02)
+
+
+def test_commands_take_cameras_and_surroundings_of_mitsuba_too(tmp_path: Path) -> None:
+    write(tmp_path, PATH_OF_2, SENSORS)
+    common = ("render", "scene.xml", "--spp", "2", "-o", "a.exr")
+    done = command(tmp_path, *common, "--camera", "above")
+    assert done.returncode == 0 and "40x30" in done.stdout
+    white = ("--environment", "3", "--camera-from", "0,2,6", "--camera-to", "0,9,6", "--camera-up")
+    done = command(tmp_path, *common, *white, "0,0,1")
+    assert done.returncode == 0, done.stderr
+    assert np.allclose(lightcull.read_image(tmp_path / "a.exr"), 3, rtol=1e-4)
+    wrong = command(tmp_path, *common, "--camera", "top")
+    assert wrong.returncode == 1
+    assert "no camera 'top'; there are 0 'front', 1 'above', 2 'lens'" in wrong.stderr
+
+
+ROUND = """
+<shape type="sphere">
+  <point name="center" x="-1.2" y="0.6" z="0"/><float name="radius" value="0.5"/>
+  <bsdf type="diffuse"><rgb name="reflectance" value="0.7, 0.2, 0.1"/></bsdf>
+</shape>
+<shape type="sphere">
+  <point name="center" x="1.2" y="3.6" z="0.5"/><float name="radius" value="0.25"/>
+  <emitter type="area"><rgb name="radiance" value="30, 0, 0"/></emitter>
+</shape>
+<shape type="cylinder">
+  <point name="p0" x="-2" y="3.5" z="0"/><point name="p1" x="-0.4" y="3.9" z="0"/>
+  <float name="radius" value="0.05"/>
+  <emitter type="area"><rgb name="radiance" value="0, 0, 60"/></emitter>
+</shape>
+<shape type="disk">
+  <transform name="to_world">
+    <scale value="0.4"/><rotate x="1" angle="90"/><translate x="1.5" y="3.5" z="1"/>
+  </transform>
+  <emitter type="area"><rgb name="radiance" value="0, 20, 0"/></emitter>
+</shape>
+<shape type="sphere">
+  <float name="radius" value="9"/><boolean name="flip_normals" value="true"/>
+  <emitter type="area"><rgb name="radiance" value="0.05"/></emitter>
+</shape>
+"""
+"""The lamps are above the picture."""
+
+
+def test_round_shapes_are_imported_as_triangles(tmp_path: Path) -> None:
+    dark = STAGE[: STAGE.index("<emitter")] + STAGE[STAGE.index("<shape") :].replace(
+        'name="radiance" value="5"', 'name="radiance" value="0"'
+    )
+    host, _ = loaded(write(tmp_path, PATH_OF_3, dark + ROUND))
+    with pytest.warns(lightcull.UnsupportedWarning) as caught:
+        ours = import_scene(host)
+    assert str(caught[0].message) == "scene: round shapes are made of triangles"
+    image = lightcull.render(host, spp=4 * SPP).image
+    shown = lightcull.render(ours, spp=4 * SPP).image
+    np.testing.assert_allclose(shown.mean(axis=(0, 1)), image.mean(axis=(0, 1)), rtol=0.02)
+    blocks = (shown - image).reshape(6, 8, 8, 8, 3).mean(axis=(1, 3))
+    assert abs(blocks).mean() < 0.03 * image.mean()
+
+
+def test_an_environment_that_is_turned_is_imported_so(tmp_path: Path) -> None:
+    texels = np.random.default_rng(1).uniform(0, 1, (8, 16, 3)).astype(np.float32)
+    texels[3, 2] = (60, 0, 0)
+    lightcull.write_exr(tmp_path / "sky.exr", texels)
+    turned = (
+        '<emitter type="envmap"><string name="filename" value="sky.exr"/>'
+        '<transform name="to_world"><rotate y="1" angle="70"/></transform></emitter>'
+    )
+    start, end = STAGE.index("<emitter"), STAGE.index("</emitter>") + len("</emitter>")
+    host, _ = loaded(write(tmp_path, PATH_OF_2, STAGE[:start] + turned + STAGE[end:]))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        ours = import_scene(host)
+    image = lightcull.render(host, spp=4 * SPP).image
+    shown = lightcull.render(ours, spp=4 * SPP).image
+    assert abs(shown - image).mean() < 0.08 * image.mean()
+
+
+def test_media_of_a_scene_that_is_no_file_are_not_left_out_silently(tmp_path: Path) -> None:
+    path = write(tmp_path, f'<integrator type="volpath">{DEPTH_2}</integrator>', STAGE + FOG)
+    mi.set_variant("scalar_rgb")
+    scene = MitsubaScene(mi.load_file(str(path)))
+    assert (scene.integrator.kind, scene.best_sampler) == ("volpath", "path")

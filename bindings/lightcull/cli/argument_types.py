@@ -102,6 +102,25 @@ def sampler_list(text: str) -> list[str]:
     return [sampler(description) for description in text.split(",")]
 
 
+def vector(text: str) -> tuple[float, float, float]:
+    """Three numbers between commas."""
+    try:
+        x, y, z = (float(part) for part in text.split(","))
+    except ValueError:
+        x = y = z = math.nan
+    if not all(math.isfinite(value) for value in (x, y, z)):
+        raise argparse.ArgumentTypeError(f"wanted three numbers such as 1,2,0.5, got {text!r}")
+    return x, y, z
+
+
+def field_of_view(text: str) -> float:
+    """Degrees."""
+    value = positive(text)
+    if value >= 180:
+        raise argparse.ArgumentTypeError(f"wanted degrees below 180, got {text!r}")
+    return value
+
+
 def definition(text: str) -> tuple[str, str]:
     """A name and its value."""
     name, equals, value = text.partition("=")

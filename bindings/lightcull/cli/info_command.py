@@ -111,3 +111,5 @@ def _facts(scene: Scene) -> Iterator[tuple[str, str]]:
     if bounds is not None:
         yield "bounds", f"{vector(bounds[0])} to {vector(bounds[1])} m"
     yield "camera", camera_text(scene.camera)
+    for number, camera in enumerate(scene.cameras):
+        yield f"camera {number}", f"{camera.name!r}, {camera_text(camera)}"

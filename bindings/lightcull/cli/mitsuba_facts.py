@@ -50,10 +50,10 @@ def _counted(counts: Counter[str]) -> str:
 
 def camera_text(camera: Camera) -> str:
     """Where it is, where it looks, and what it sees."""
-    return (
-        f"at {vector(camera.origin)}, towards {vector(camera.target)}, "
-        f"{np.degrees(camera.vertical_fov):.0f} degrees high"
-    )
+    height = f"{np.degrees(camera.vertical_fov):.0f} degrees high"
+    if camera.orthographic_height > 0:
+        height = f"orthographic, {camera.orthographic_height:.4g} m high"
+    return f"at {vector(camera.origin)}, towards {vector(camera.target)}, {height}"
 
 
 def vector(values: Sequence[float] | np.ndarray) -> str:

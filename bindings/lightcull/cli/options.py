@@ -23,6 +23,7 @@ from ..rendering.settings import MAX_DEPTH, RenderSettings, settings_of
 from ..scene import Scene
 from .bench_scenes import SceneMaker, scene_makers
 from .scene_option import BOUNCED_DEPTH, AnyScene, open_any
+from .view_option import look_of
 
 
 @dataclass(frozen=True)
@@ -270,7 +271,7 @@ def _info(parsed: argparse.Namespace, command: str) -> InfoOptions:
 def _bench(parsed: argparse.Namespace, command: str) -> BenchOptions:
     return BenchOptions(
         json=_json_file(parsed),
-        scenes=tuple(scene_makers(parsed.scenes)),
+        scenes=tuple(scene_makers(parsed.scenes, look_of(parsed))),
         samplers=tuple(parsed.samplers or bench.DEFAULT_SAMPLERS),
         size=parsed.size,
         threads=tuple(parsed.threads),

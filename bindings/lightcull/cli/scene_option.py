@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from .._core import Error
 from ..loaders import open_scene
 from ..scene import Scene
+from .view_option import look_of
 
 if TYPE_CHECKING:  # importing it wants Mitsuba, which is optional
     from ..mitsuba import MitsubaScene
@@ -30,7 +31,7 @@ def open_any(options: argparse.Namespace) -> AnyScene:
 
 def open_ours(options: argparse.Namespace) -> Scene:
     """A scene for our own renderer."""
-    scene = open_scene(options.scene, gltf_lights=options.gltf_lights)
+    scene = open_scene(options.scene, gltf_lights=options.gltf_lights, **look_of(options))
     if options.virtual_lights is not None:
         scene.add_virtual_lights(options.virtual_lights)
     return scene
@@ -54,4 +55,8 @@ def _open_mitsuba(options: argparse.Namespace) -> MitsubaScene:
     from ..mitsuba.scene_file import DEFAULT_VARIANT, load_file
 
     parameters = dict(options.define or ())
-    return load_file(options.scene, options.variant or DEFAULT_VARIANT, parameters)
+    scene = load_file(options.scene, options.variant or DEFAULT_VARIANT, parameters)
+    look = look_of(options)
+    scene.use_camera(look["camera"])
+    scene.surround(look["environment"], look["environment_scale"])
+    return scene

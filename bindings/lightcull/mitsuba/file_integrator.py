@@ -12,7 +12,7 @@ from ..loaders.unsupported import Notes
 from ..rendering.settings import RR_DEPTH
 from .host import mitsuba
 
-_DIRECT_DEPTH = 2
+DIRECT_DEPTH = 2
 PATH = "path"
 
 _PATHS = ("path", "prb", "prb_basic", "prb_projective")
@@ -52,8 +52,8 @@ class FileIntegrator:
 
 
 def take_integrator(state: Any, notes: Notes) -> FileIntegrator:
-    """Reads the integrator of a parsed file (`mi.parser.ParserState`), and puts `path` in its place,
-    which every variant has; what does not hold is noted.
+    """Reads the integrator of a parsed file (`mi.parser.ParserState`), and puts `path` in its
+    place, which every variant has; what does not hold is noted.
     """
     nodes = list(state.nodes)
     found = [node for node in _children(state.root, nodes) if _is_integrator(node)]
@@ -66,11 +66,6 @@ def take_integrator(state: Any, notes: Notes) -> FileIntegrator:
         props[name] = value
     found[0].props = props
     return written
-
-
-def has_media(nodes: Iterable[Any]) -> bool:
-    """Whether anything in a parsed file is filled with a medium."""
-    return any(node.type == mitsuba().ObjectType.Medium for node in nodes)
 
 
 def _children(node: Any, nodes: list[Any]) -> Iterator[Any]:
@@ -104,14 +99,14 @@ def _read(node: Any, nodes: list[Any], notes: Notes) -> FileIntegrator:
     left_out = set(props.keys()) - _FOLLOWED - _OF_NO_MATTER
     depth, rr_depth = _whole(props, "max_depth", -1), _whole(props, "rr_depth", RR_DEPTH)
     if kind in _DIRECT:
-        depth = _DIRECT_DEPTH
+        depth = DIRECT_DEPTH
     elif kind in _AROUND or kind in _NO_LIGHT:
         left_out.clear()
         notes.remark(f"the integrator {kind!r} shows no light: rendered by paths")
     elif kind not in _PATHS and kind not in _VOLUMES:
         notes.remark(f"the integrator {kind!r} is not lightcull's: rendered by paths")
-    if kind in _VOLUMES and depth >= 0 and _has_null_surfaces(nodes) and not has_media(nodes):
-        notes.remark(f"surfaces that let light straight through count in max_depth, unlike by {kind}")
+    if kind in _VOLUMES and depth >= 0 and _has_null_surfaces(nodes) and not _has_media(nodes):
+        notes.remark(f"what lets light straight through counts in max_depth, unlike by {kind}")
     for name in sorted(left_out):
         notes.left_out(f"{name} of the integrator {kind!r}")
     if depth == 0:
@@ -137,3 +132,8 @@ def _whole(props: Any, name: str, default: int) -> int:
 
 def _has_null_surfaces(nodes: list[Any]) -> bool:
     return any(node.props.plugin_name() in _NULL_SURFACES for node in nodes)
+
+
+def _has_media(nodes: Iterable[Any]) -> bool:
+    """Whether anything in a parsed file is filled with a medium."""
+    return any(node.type == mitsuba().ObjectType.Medium for node in nodes)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import importlib
 import os
 import re
@@ -10,9 +11,13 @@ from typing import Any
 import numpy as np
 
 from .._core import Error
+from ..camera import Camera, View, chosen_camera
 from ..file_settings import FileSettings
+from ..loaders.completion import CameraChoice
 from ..rendering.settings import RenderSettings
-from .file_integrator import PATH, FileIntegrator
+from ..surroundings import Environment, is_auto, texels_of
+from .cameras import camera_of, sensor_of
+from .file_integrator import DIRECT_DEPTH, PATH, FileIntegrator
 from .host import build_digest, mitsuba
 from .mitsuba_job import MitsubaJob, check_film
 
@@ -35,12 +40,14 @@ class MitsubaScene:
         digest: str | None = None,
         *,
         integrator: FileIntegrator | None = None,
-        has_media: bool = False,
     ) -> None:
         self.name = name
         self.scene = scene
         self.integrator = _integrator_of(scene) if integrator is None else integrator
-        self._has_media = has_media
+        self._has_media = any(
+            shape.interior_medium() or shape.exterior_medium() for shape in scene.shapes()
+        )
+        self._sensor = next(iter(scene.sensors()), None)
         self._variant = mitsuba().variant()
         self._digest = digest or os.urandom(16).hex()
 
@@ -51,11 +58,51 @@ class MitsubaScene:
 
     @property
     def sensor(self) -> Any:
-        """What it is seen by. Raises Error if there is none."""
+        """What it is seen by: the first of the file unless another was chosen. Raises Error if
+        there is none.
+        """
+        if self._sensor is None:
+            raise Error(f"{self.name}: has no sensor: --camera-from says from where it is seen")
+        return self._sensor
+
+    def use_camera(self, camera: CameraChoice) -> None:
+        """Sees the scene by one of the file's sensors, by its id or its number from 0, or by
+        another camera, whose picture is as large as that of the file's.
+        """
         sensors = self.scene.sensors()
-        if not sensors:
-            raise Error(f"{self.name}: has no sensor")
-        return sensors[0]
+        if isinstance(camera, Camera):
+            self._sensor = sensor_of(camera, self._sensor)
+            return
+        view = camera if isinstance(camera, View) else View(which=camera)
+        if view.which is not None:
+            self._sensor = sensors[chosen_camera([each.id() for each in sensors], view.which)]
+        if not view.is_changed:
+            return
+        before = Camera() if view.origin is not None else camera_of(self.sensor)
+        if before is None:
+            raise Error(f"{self.name}: its {self.sensor.class_name()} can only be left as it is")
+        bounds = self.bounds
+        middle = np.zeros(3) if bounds is None else bounds.mean(axis=0)
+        self._sensor = sensor_of(view.changed(before, middle), self._sensor)
+
+    def surround(self, environment: Environment, scale: float = 1.0) -> None:
+        """Surrounds the scene by something else than its file does; "auto": by that."""
+        if is_auto(environment):
+            return
+        camera = None if self._sensor is None else camera_of(self._sensor)
+        texels = texels_of(environment, camera or Camera())
+        kept = [e for e in self.scene.emitters() if not (e.is_environment() or _is_of_shape(e))]
+        things = [*self.scene.shapes(), *kept, *self.scene.sensors(), self.scene.integrator()]
+        scene = {"type": "scene"} | {f"_{i}": x for i, x in enumerate(things) if x is not None}
+        if texels is not None:
+            scene["environment"] = _environment(texels, scale)
+        try:
+            self.scene = mitsuba().load_dict(scene)
+        except RuntimeError as error:
+            raise Error(f"environment: {str(error).splitlines()[0].rsplit('] ', 1)[-1]}") from error
+        told = hashlib.blake2b(repr((texels is None, scale)).encode(), digest_size=16)
+        told.update(b"" if texels is None else texels.tobytes())
+        self._digest += told.hexdigest()
 
     @property
     def size(self) -> tuple[int, int]:
@@ -75,7 +122,7 @@ class MitsubaScene:
     @property
     def file_settings(self) -> FileSettings:
         """What film and integrator say."""
-        size = self.size if self.scene.sensors() else None
+        size = None if self._sensor is None else self.size
         return FileSettings(size, self.integrator.max_depth, self.integrator.rr_depth)
 
     @property
@@ -84,7 +131,8 @@ class MitsubaScene:
         return str(self._variant)
 
     def digest(self) -> str:
-        return f"{self._digest}-{self._variant}-{build_digest()}"
+        seen_by = hashlib.blake2b(str(self._sensor).encode(), digest_size=16).hexdigest()
+        return f"{self._digest}-{seen_by}-{self._variant}-{build_digest()}"
 
     def check_sampler(self, description: str) -> None:
         self._new_integrator(description)
@@ -104,10 +152,11 @@ class MitsubaScene:
     @property
     def best_sampler(self) -> str:
         """`learned`; "path" where there are media, which Mitsuba alone renders."""
-        return PATH if self._wants_media else "learned"
+        return PATH if self.wants_media else "learned"
 
     @property
-    def _wants_media(self) -> bool:
+    def wants_media(self) -> bool:
+        """Whether there are media, and the integrator of the scene renders them."""
         return self._has_media and self.integrator.kind != PATH
 
     def _set_size(self, size: tuple[int, int]) -> None:
@@ -134,7 +183,7 @@ class MitsubaScene:
     def _new_integrator(self, description: str, **depths: int) -> Any:
         properties: dict[str, Any] = {"type": self.integrator.kind}
         if description != PATH:
-            if self._wants_media:
+            if self.wants_media:
                 raise Error(
                     f"sampler {description!r}: not for the media of {self.name}: "
                     f"path renders them, by Mitsuba's {self.integrator.kind}"
@@ -152,6 +201,20 @@ class MitsubaScene:
             raise Error(f"sampler {description!r}: {reason}") from error
 
 
+def _is_of_shape(emitter: Any) -> bool:
+    """Whether it comes with a shape."""
+    return emitter.get_shape() is not None
+
+
+def _environment(texels: np.ndarray, scale: float) -> dict[str, Any]:
+    """A map of ours as Mitsuba has it: -Z is in its first column, ours has it in the middle."""
+    if texels.shape[:2] == (1, 1):
+        color = [float(scale * value) for value in texels[0, 0]]
+        return {"type": "constant", "radiance": {"type": "rgb", "value": color}}
+    turned = np.ascontiguousarray(np.roll(texels, texels.shape[1] // 2, axis=1), np.float32)
+    return {"type": "envmap", "bitmap": mitsuba().Bitmap(turned), "scale": scale}
+
+
 def _corners(shape: Any) -> np.ndarray:
     """Of its bounds: float32 (2, 3). The box that a merged mesh tells is that of its first part."""
     parameters = mitsuba().traverse(shape)
@@ -162,12 +225,17 @@ def _corners(shape: Any) -> np.ndarray:
     return np.array([box.min, box.max], np.float32).reshape(2, 3)
 
 
+_KINDS = {"VolumetricPathIntegrator": "volpath", "VolpathMisIntegratorImpl": "volpathmis"}
+
+
 def _integrator_of(scene: Any) -> FileIntegrator:
-    """What an integrator tells of itself, which is its depths."""
-    said = dict(re.findall(r"(max_depth|rr_depth) = (\d+)", str(scene.integrator())))
+    """What an integrator tells of itself, which is its kind and its depths."""
+    integrator = scene.integrator()
+    said = dict(re.findall(r"(max_depth|rr_depth) = (\d+)", str(integrator)))
     known = FileIntegrator()
     # Mitsuba has -1 as an unsigned number.
     depth = min(int(said.get("max_depth", known.max_depth)), known.max_depth)
-    if "DirectIntegrator[" in str(scene.integrator()):
-        depth = 2
-    return FileIntegrator(max_depth=depth, rr_depth=int(said.get("rr_depth", known.rr_depth)))
+    if "DirectIntegrator[" in str(integrator):
+        depth = DIRECT_DEPTH
+    kind = PATH if integrator is None else _KINDS.get(integrator.class_name(), PATH)
+    return FileIntegrator(kind, depth, int(said.get("rr_depth", known.rr_depth)))

@@ -12,7 +12,7 @@ from typing import Any
 
 from .._core import Error
 from ..loaders.unsupported import Notes, UnsupportedWarning
-from .file_integrator import PATH, has_media, take_integrator
+from .file_integrator import take_integrator
 from .host import mitsuba
 from .mitsuba_scene import MitsubaScene
 
@@ -44,7 +44,6 @@ def load_file(
             state = mi.parser.parse_file(config, str(path), **(parameters or {}))
             mi.parser.transform_upgrade(config, state)
             integrator = take_integrator(state, notes)
-            media = has_media(state.nodes)
             mi.parser.transform_all(config, state)
             scene = mi.parser.instantiate(config, state)
     except Error as error:
@@ -53,14 +52,14 @@ def load_file(
         raise Error(f"{path}: {_reason(error)}") from error
     if not isinstance(scene, mi.Scene):
         raise Error(f"{path}: holds no scene")
-    if media and integrator.kind != PATH:
+    result = MitsubaScene(
+        scene, path.stem, _digest(path, state, parameters or {}), integrator=integrator
+    )
+    if result.wants_media:
         notes.remark(f"its media are rendered by Mitsuba's {integrator.kind}, the sampler 'path'")
     if message := notes.message():
         warnings.warn(f"{path}: {message}", UnsupportedWarning, stacklevel=2)
-    return MitsubaScene(
-        scene, path.stem, _digest(path, state, parameters or {}), integrator=integrator,
-        has_media=media,
-    )  # fmt: skip
+    return result
 
 
 @contextmanager
