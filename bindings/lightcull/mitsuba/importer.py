@@ -28,10 +28,10 @@ def import_scene(scene: Any, name: str | None = None) -> Scene:
     scene: what `load_file` gave, or a `mitsuba.Scene`, of an RGB variant, which must be set. name:
     for messages; None: that of the file. What film and integrator say of size and depths holds
     for `lightcull.render`, too, unless it is told otherwise. Taken over are meshes, rectangles, and
-    spheres, disks and cylinders as triangles; diffuse and principled materials, and those two-sided;
-    area emitters with a colour, a texture or a `face_radiance`; points, spots, directional lights,
-    environments; sensors. All else is named in one `UnsupportedWarning`; what emits by it is left
-    out, and materials are grey.
+    spheres, disks and cylinders as triangles; diffuse and principled materials, and those
+    two-sided; area emitters with a colour, a texture or a `face_radiance`; points, spots,
+    directional lights, environments; sensors. All else is named in one `UnsupportedWarning`; what
+    emits by it is left out, and materials are grey.
     """
     if "rgb" not in mitsuba().variant():
         raise Error(f"import_scene: wanted an RGB variant, got {mitsuba().variant()}")
