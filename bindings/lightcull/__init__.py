@@ -11,6 +11,7 @@ Metres, radians, linear RGB. Arrays are C-contiguous float32 (N, 3), ids uint32.
 # The package from the bottom up, where each line imports from those above it only:
 #   _core (compiled), checks, machine, memory, images, output_files
 #   scene, sampler    what is rendered, and what chooses its lights
+#   surroundings, views   what is around a scene, and from where it is seen, where no file says
 #   scenes, loaders   scenes made by code and from files
 #   rendering         one image; report: the figures and the page of a comparison
 #   peers             other renderers, of which the same scene is shown
@@ -20,7 +21,7 @@ Metres, radians, linear RGB. Arrays are C-contiguous float32 (N, 3), ids uint32.
 
 from ._core import COUNTS, LIGHT, LOBE, SELECTION, Error
 from ._core import VERSION as __version__
-from .camera import Camera
+from .camera import Camera, View
 from .comparing.compare import SAMPLERS, compare
 from .images import apply_view, read_image, view_names, write_exr, write_png
 from .loaders import UnsupportedWarning, example_scene, load, open_scene
@@ -69,6 +70,7 @@ __all__ = [
     "Subject",
     "SubjectJob",
     "UnsupportedWarning",
+    "View",
     "__version__",
     "apply_view",
     "bounded_lights",

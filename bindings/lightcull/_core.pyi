@@ -111,6 +111,7 @@ class Scene:
         vertical_fov: float,
         aperture_radius: float,
         focus_distance: float,
+        orthographic_height: float,
         /,
     ) -> None: ...
     def commit(self) -> None: ...
@@ -148,6 +149,25 @@ def vulkan_devices() -> list[tuple[str, str]]:
 def check_sampler(description: str, /) -> None:
     """Throws Error unless it describes a sampler."""
 
+
+
+class Preview:
+    def __init__(self, scene: Scene, /) -> None: ...
+    def distances(self, origins: np.ndarray, directions: np.ndarray, /) -> np.ndarray: ...
+    def look(
+        self,
+        origin: Any,
+        target: Any,
+        up: Any,
+        vertical_fov: float,
+        aperture_radius: float,
+        focus_distance: float,
+        orthographic_height: float,
+        width: int,
+        height: int,
+        passes: int,
+        /,
+    ) -> np.ndarray: ...
 
 class LightSelector:
     def select(

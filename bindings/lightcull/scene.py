@@ -12,7 +12,8 @@ import numpy as np
 
 from . import _core, checks
 from ._core import Error
-from .camera import Camera
+from .camera import Camera, chosen_camera
+from .file_settings import FileSettings
 from .scene_digest import SceneDigest
 
 Vector: TypeAlias = Sequence[float] | np.ndarray
@@ -39,8 +40,11 @@ class Scene:
     def __init__(self, name: str = "scene") -> None:
         self.name = checks.text("name", name)
         """What images and reports call it."""
+        self.file_settings = FileSettings()
+        """How its file wants to be rendered."""
         self._core = _core.Scene()
         self._camera = Camera()
+        self._cameras: list[Camera] = []
         self._digest = SceneDigest()
         self._closed = False
         self._moved = False
@@ -219,15 +223,19 @@ class Scene:
         vertical_fov: float = 0.8,
         aperture_radius: float = 0.0,
         focus_distance: float = 1.0,
+        orthographic_height: float = 0.0,
     ) -> None:
         """Places the camera: a thin lens at `origin` that looks to `target` (metres).
 
         vertical_fov: radians. aperture_radius, focus_distance: metres; a radius of 0 is a pinhole.
+        orthographic_height: metres that the image is high, seen by parallel rays from the plane of
+        the origin; 0: perspective.
         """
         lens = (
             checks.number("vertical_fov", vertical_fov),
             checks.number("aperture_radius", aperture_radius),
             checks.number("focus_distance", focus_distance),
+            checks.number("orthographic_height", orthographic_height),
         )
         parameters = (origin, target, up, *lens)
         self._core.set_camera(*parameters)
@@ -267,10 +275,31 @@ class Scene:
             self._moved = True
         self._digest.add("light directions", directions)
 
+    def add_camera(self, camera: Camera) -> None:
+        """Adds a camera to those of the scene's file. The first one is in use."""
+        self._cameras.append(camera)
+        if len(self._cameras) == 1:
+            self.use_camera(0)
+
+    def use_camera(self, which: str | int) -> None:
+        """Sees the scene by one of `cameras`: by its name, or by its number from 0."""
+        camera = self._cameras[chosen_camera([c.name for c in self._cameras], which)]
+        self.set_camera(*camera.parameters)
+        self._camera = camera
+
+    @property
+    def cameras(self) -> tuple[Camera, ...]:
+        """Those of the scene's file."""
+        return tuple(self._cameras)
+
     @property
     def camera(self) -> Camera:
-        """The camera that `set_camera` placed."""
+        """The camera that is in use."""
         return self._camera
+
+    def preview(self) -> _core.Preview:
+        """A look at the scene as it is so far, which stays open."""
+        return _core.Preview(self._core)
 
     @property
     def bounds(self) -> np.ndarray | None:

@@ -109,6 +109,12 @@ void camera(const Camera& camera) {
     finite("camera: focus_distance", camera.focus_distance);
     if (camera.focus_distance <= 0.0f) fail("camera: focus_distance", "is not above 0");
     if (camera.focus_distance > 1e15f) fail("camera: focus_distance", "is above 1e15");
+    finite("camera: orthographic_height", camera.orthographic_height);
+    if (camera.orthographic_height > 1e15f) fail("camera: orthographic_height", "is above 1e15");
+    if (camera.orthographic_height < 0.0f) fail("camera: orthographic_height", "is negative");
+    if (camera.orthographic_height > 0.0f && camera.aperture_radius > 0.0f) {
+        fail("camera: aperture_radius", "is above 0, and orthographic cameras have no lens");
+    }
 }
 
 std::string element(std::string_view field, std::size_t i) {

@@ -154,7 +154,8 @@ void add_triangle_lights(SceneData& scene, const Mesh& mesh) {
 }  // namespace
 
 float reach_of(const SceneData& scene) noexcept {
-    float reach = max_component(abs(to_v3f(scene.camera.origin))) + scene.camera.aperture_radius;
+    float reach = max_component(abs(to_v3f(scene.camera.origin))) + scene.camera.aperture_radius +
+                  scene.camera.orthographic_height;
     const auto include = [&reach](float x, float y, float z) {
         reach = std::max({reach, std::fabs(x), std::fabs(y), std::fabs(z)});
     };

@@ -107,6 +107,33 @@ def sampler_list(text: str) -> list[str]:
     ]
 
 
+def vector(text: str) -> tuple[float, float, float]:
+    """Three numbers between commas."""
+    try:
+        x, y, z = (float(part) for part in text.split(","))
+    except ValueError:
+        x = y = z = math.nan
+    if not all(math.isfinite(value) for value in (x, y, z)):
+        raise argparse.ArgumentTypeError(f"wanted three numbers such as 1,2,0.5, got {text!r}")
+    return x, y, z
+
+
+def field_of_view(text: str) -> float:
+    """Degrees."""
+    value = positive(text)
+    if value >= 180:
+        raise argparse.ArgumentTypeError(f"wanted degrees below 180, got {text!r}")
+    return value
+
+
+def definition(text: str) -> tuple[str, str]:
+    """A name and its value."""
+    name, equals, value = text.partition("=")
+    if not name or not equals:
+        raise argparse.ArgumentTypeError(f"wanted NAME=VALUE, got {text!r}")
+    return name, value
+
+
 def thread_counts(text: str) -> list[int]:
     return [from_one(count) for count in text.split(",")]
 

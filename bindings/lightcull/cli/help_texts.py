@@ -40,6 +40,8 @@ examples:
   lightcull render lanterns -o lanterns.exr               10 seconds, linear radiance
   lightcull render city -o city.png --size 640x360        a picture to look at
   lightcull render room.glb -o room.exr --max-depth 6 --spp 256
+  lightcull render car.glb -o car.png --camera-from 4,2,6 --fov 30 --environment sky.exr
+  lightcull render scene.xml -o scene.exr -D max_depth=8 --camera front
   lightcull render cornell -o a.exr --sampler uniform --spp 16 --seed 7
   lightcull render cornell -o b.exr --method vpl_culled:lights=16384 --spp 8
   lightcull render cornell -o c.exr --virtual-lights 16384 --sampler light_bvh

@@ -18,7 +18,7 @@ from ..rendering.budget import Budget
 from ..rendering.job import SubjectJob
 from ..rendering.own_sampler import SamplerChoice, check_choice
 from ..rendering.progress import Progress, ProgressCallback
-from ..rendering.settings import RR_DEPTH, RenderSettings
+from ..rendering.settings import RenderSettings, settings_of
 from ..rendering.subject import OwnSubject, Subject, subject_of
 from ..report import Comparison, Measure, Metric, Reference, SamplerRun, write
 from ..report.errors import metrics_by_name
@@ -56,11 +56,11 @@ def compare(
     seconds: float | None = None,
     spp: int | None = None,
     repeats: int = 1,
-    size: tuple[int, int] = (320, 240),
-    max_depth: int = 2,
+    size: tuple[int, int] | None = None,
+    max_depth: int | None = None,
     seed: int = 0,
     threads: int = 0,
-    rr_depth: int = RR_DEPTH,
+    rr_depth: int | None = None,
     direct_light: str = "mis",
     reference_seconds: float | None = None,
     mask: np.ndarray | None = None,
@@ -78,9 +78,8 @@ def compare(
     light_bvh, culled and learned; or by the names under which they are shown descriptions, and
     samplers of one's own: what makes an `OwnSampler` of the scene, as a class does, or a
     `SamplerLibrary`. "cycles", "cycles:light_tree=off" and "pbrt" are other renderers (see below).
-    scene: a `Subject` for a whole renderer of one's own. size: width and height,
-    pixels. max_depth: longest path, in edges: 2 is direct light. rr_depth, direct_light: as in
-    `render`. threads: 0 for all.
+    scene: a `Subject` for a whole renderer of one's own. size, max_depth, rr_depth, direct_light: as
+    in `render`. threads: 0 for all.
 
     repeats: runs of each sampler, with the seeds seed, seed + 1 and so on, each for `seconds`; all
     runs of all samplers take turns side by side, and are in memory at once. From two on there are
@@ -127,6 +126,7 @@ def compare(
     check_names(tuple(choices))
     if folder is not None:
         check_writable(folder)
+    size, max_depth, rr_depth = settings_of(scene, size, max_depth, rr_depth)
     settings = RenderSettings(
         size, max_depth, seed, threads, rr_depth, direct_light, emission_apart=True
     )

@@ -10,11 +10,11 @@ from functools import partial
 from pathlib import Path
 from typing import get_args
 
-import numpy as np
-
 from .. import checks, scenes
 from .._core import Error
 from ..scene import Scene
+from ..surroundings import AUTO, Environment, is_auto
+from .completion import CameraChoice, choose_camera, complete, surround
 from .gltf import LightUnit, fill_from_gltf
 from .obj_ply import fill_from_obj, fill_from_ply
 from .unsupported import Notes, UnsupportedWarning
@@ -29,11 +29,18 @@ _LOADERS: dict[str, Callable[[Path, Scene, Notes], None]] = {
 }
 
 
-def load(path: str | os.PathLike[str], *, gltf_lights: LightUnit | None = None) -> Scene:
+def load(
+    path: str | os.PathLike[str],
+    *,
+    gltf_lights: LightUnit | None = None,
+    environment: Environment = AUTO,
+    environment_scale: float = 1.0,
+    camera: CameraChoice = None,
+) -> Scene:
     """Loads a scene from a .glb, .gltf, .obj or .ply file.
 
     Of glTF: triangles, metallic-roughness materials and their textures, emission with its texture
-    and KHR_materials_emissive_strength, KHR_lights_punctual, and the first perspective camera. Its
+    and KHR_materials_emissive_strength, KHR_lights_punctual, and cameras. Its
     photometric units are taken as radiometric ones: candela as W/sr, lux as W/m^2, candela per
     square metre as W/(m^2 sr), so that lights and surfaces that emit keep their proportion. Of OBJ:
     diffuse colour and emission (Ke) with their textures. Of PLY: triangles and one texture.
@@ -43,8 +50,17 @@ def load(path: str | os.PathLike[str], *, gltf_lights: LightUnit | None = None) 
     surfaces emit, unless its lighting mode was changed. "watts" takes them as they are. None does
     so too, and warns where a file of Blender's has both.
 
-    What the file has beyond that is named in one `UnsupportedWarning`. It also says so if there was
-    no camera (one is placed that sees everything) or no light (the surroundings are made white).
+    environment: what surrounds the scene: an image of latitude and longitude (a path, or float32
+    (H, W, 3)), a colour (three numbers, "0.2,0.3,0.5" or "#336699"), "studio", or "none". "auto" is
+    a studio (grey, with large lamps) where the file has no light, or where less than a tenth of
+    what the camera sees is visible (0.01) by it, else nothing. environment_scale multiplies it.
+
+    camera: one of the file by its name or its number from 0, a `Camera`, or a `View`, which is what
+    is said of one; None: the file's first.
+    Where there is none, one is placed that sees everything, or across the room if it is a room; if
+    that has walls all around and no light, it has a lamp.
+
+    What the file has beyond that is named in one `UnsupportedWarning`, and so is what was made up.
     """
     path = Path(checks.path("path", path))
     fill = _LOADERS.get(path.suffix.lower())
@@ -56,11 +72,11 @@ def load(path: str | os.PathLike[str], *, gltf_lights: LightUnit | None = None) 
     scene, notes = Scene(path.stem), Notes()
     try:
         fill(path, scene, notes)
+        if scene.triangle_count == 0:
+            raise Error("holds no triangles")
+        complete(scene, notes, environment, environment_scale, camera)
     except Error as error:
         raise Error(f"{path}: {' '.join(str(error).split())}") from error
-    if scene.triangle_count == 0:
-        raise Error(f"{path}: holds no triangles")
-    _complete(scene, notes)
     if message := notes.message():
         warnings.warn(f"{path}: {message}", UnsupportedWarning, stacklevel=2)
     return scene
@@ -99,15 +115,29 @@ def example_scene(name: str) -> Scene:
     return scene
 
 
-def open_scene(name_or_path: str, *, gltf_lights: LightUnit | None = None) -> Scene:
+def open_scene(
+    name_or_path: str,
+    *,
+    gltf_lights: LightUnit | None = None,
+    environment: Environment = AUTO,
+    environment_scale: float = 1.0,
+    camera: CameraChoice = None,
+) -> Scene:
     """An example scene by its name, else a scene from a file, as `load` makes it."""
     if name_or_path in scenes.NAMES:
         if gltf_lights is not None:
             raise Error(f"{name_or_path}: gltf_lights is for a .glb or .gltf")
-        return example_scene(name_or_path)
+        scene = example_scene(name_or_path)
+        choose_camera(scene, camera)
+        if not is_auto(environment):
+            surround(scene, environment, environment_scale)
+        return scene
     path = Path(checks.path("scene", name_or_path))
     if os.path.exists(name_or_path) or path.suffix.lower() in _LOADERS:
-        return load(name_or_path, gltf_lights=gltf_lights)
+        return load(
+            name_or_path, gltf_lights=gltf_lights, environment=environment,
+            environment_scale=environment_scale, camera=camera,
+        )  # fmt: skip
     raise Error(
         f"{name_or_path!r} is neither a file nor an example scene"
         f"{_did_you_mean(name_or_path)}; {_there_are()}"
@@ -122,23 +152,3 @@ def _did_you_mean(name: str) -> str:
 def _there_are() -> str:
     return f"there are {', '.join(scenes.NAMES)}"
 
-
-def _complete(scene: Scene, notes: Notes) -> None:
-    """Gives a scene the camera and the light that its file does not have."""
-    if not notes.has_camera:
-        notes.remark("no camera: one is placed that sees everything")
-        _place_camera(scene)
-    if not notes.has_light:
-        notes.remark("no light: the surroundings are made white")
-        scene.set_environment((1.0, 1.0, 1.0))
-
-
-def _place_camera(scene: Scene) -> None:
-    bounds = scene.bounds
-    assert bounds is not None
-    center = bounds.mean(axis=0)
-    radius = max(float(np.linalg.norm(bounds[1] - bounds[0])) / 2, 1e-3)
-    direction = np.array([0.5, 0.4, 1.0]) / np.linalg.norm([0.5, 0.4, 1.0])
-    fov = 0.8
-    distance = radius / np.sin(fov / 2)
-    scene.set_camera(center + distance * direction, center, (0.0, 1.0, 0.0), fov)

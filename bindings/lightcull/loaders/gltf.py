@@ -14,6 +14,7 @@ import numpy as np
 import trimesh
 
 from .._core import Error
+from ..camera import Camera
 from ..scene import Scene
 from .gltf_support import (
     PBR_TEXTURES,
@@ -68,7 +69,7 @@ def _fill(
         if str(index) in parsed.graph.nodes:
             transform = parsed.graph[str(index)][0]
             punctual |= _add_light(document, node, transform, factor, scene, notes)
-            _set_camera(document, node, transform, scene, notes)
+            _add_camera(document, node, transform, scene, notes)
     if unit is None and punctual and surfaces.emit and _is_of_blender(document):
         notes.remark(
             f"written by Blender, whose points, spots and suns are {LUMENS_PER_WATT:g} times as "
@@ -247,19 +248,30 @@ def _add_light(
     return True
 
 
-def _set_camera(
+def _add_camera(
     document: Json, node: Json, transform: np.ndarray, scene: Scene, notes: Notes
 ) -> None:
     if "camera" not in node:
         return
-    perspective = document["cameras"][node["camera"]].get("perspective")
-    if perspective is None:
-        notes.left_out("orthographic cameras")
-    elif notes.has_camera:
-        notes.left_out("cameras after the first")
+    camera = document["cameras"][node["camera"]]
+    lens: dict[str, float] = {}
+    if "perspective" in camera:
+        lens["vertical_fov"] = float(camera["perspective"]["yfov"])
     else:
-        notes.has_camera = True
-        origin = transform[:3, 3]
-        scene.set_camera(
-            origin, origin - transform[:3, 2], transform[:3, 1], float(perspective["yfov"])
+        lens["orthographic_height"] = 2.0 * float(camera["orthographic"]["ymag"])
+    origin = transform[:3, 3]
+    notes.has_camera = True
+    scene.add_camera(
+        Camera(
+            _triple(origin),
+            _triple(origin - transform[:3, 2]),
+            _triple(transform[:3, 1]),
+            **lens,
+            name=str(node.get("name") or camera.get("name") or ""),
         )
+    )
+
+
+def _triple(vector: np.ndarray) -> tuple[float, float, float]:
+    x, y, z = vector
+    return float(x), float(y), float(z)

@@ -15,7 +15,7 @@ from .passes import run_passes, warn_of_nonsense
 from .path_job import PathJob
 from .progress import ProgressCallback
 from .result import RenderResult
-from .settings import RR_DEPTH, RenderSettings
+from .settings import RenderSettings, settings_of
 from .subject import Subject, subject_of
 from .virtual_light_job import VirtualLightJob
 
@@ -27,11 +27,11 @@ def render(
     method: str = PATH,
     seconds: float | None = None,
     spp: int | None = None,
-    size: tuple[int, int] = (320, 240),
-    max_depth: int = 2,
+    size: tuple[int, int] | None = None,
+    max_depth: int | None = None,
     seed: int = 0,
     threads: int = 0,
-    rr_depth: int = RR_DEPTH,
+    rr_depth: int | None = None,
     direct_light: str = "mis",
     progress: ProgressCallback | None = None,
     checkpoint: str | os.PathLike[str] | None = None,
@@ -42,7 +42,9 @@ def render(
 
     scene: ours, or a `lightcull.mitsuba.MitsubaScene`. sampler: a description as in `LightSampler`;
     None: "learned", or "culled" where glossy virtual lights are among the lights. size: width and
-    height, pixels. max_depth: longest path, in edges: 1 sees emitters only, 2 direct light. method:
+    height, pixels. max_depth: longest path, in edges: 1 sees emitters only, 2 direct light. size,
+    max_depth and rr_depth are those of the scene's file if it is one of Mitsuba's, else 320x240, 2
+    and 5. method:
     how light that bounces is found: "path" by paths; "vpl_all", "vpl_culled", "vpl_clamped" and
     "vpl_grid" by virtual lights where light paths meet surfaces, which wants a max_depth of 3 to 5
     (`lightcull render --help` has their options); the sampler is then for direct light. rr_depth:
@@ -61,6 +63,7 @@ def render(
     more, before that pass is over, is a KeyboardInterrupt.
     """
     budget = Budget(spp, seconds)
+    size, max_depth, rr_depth = settings_of(scene, size, max_depth, rr_depth)
     settings = RenderSettings(size, max_depth, seed, threads, rr_depth, direct_light)
     subject = subject_of(scene)
     if sampler is None:

@@ -58,12 +58,15 @@ struct Mesh {
     Emission emission;
 };
 
-/// A thin lens looking from origin to target; a pinhole where aperture_radius is 0.
+/// A thin lens looking from origin to target; a pinhole where aperture_radius is 0. Orthographic
+/// where orthographic_height is above 0: its rays are parallel, start in the plane of the origin,
+/// and know neither a field of view nor a lens.
 struct Camera {
     float3 origin{0.0f, 0.0f, 1.0f}, target{0.0f, 0.0f, 0.0f}, up{0.0f, 1.0f, 0.0f};
-    float vertical_fov = 0.8f;     ///< radians, (0, pi)
-    float aperture_radius = 0.0f;  ///< metres
-    float focus_distance = 1.0f;   ///< metres
+    float vertical_fov = 0.8f;         ///< radians, (0, pi)
+    float aperture_radius = 0.0f;      ///< metres
+    float focus_distance = 1.0f;       ///< metres
+    float orthographic_height = 0.0f;  ///< metres that the image is high; 0: perspective
 };
 
 /// Radiance from infinity: scale * a latitude-longitude map, +Y up, the middle column towards -Z
