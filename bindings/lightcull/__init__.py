@@ -11,19 +11,22 @@ Metres, radians, linear RGB. Arrays are C-contiguous float32 (N, 3), ids uint32.
 # The package from the bottom up, where each line imports from those above it only:
 #   _core (compiled), checks, machine, memory, images, output_files
 #   scene, sampler    what is rendered, and what chooses its lights
+#   surroundings, views   what is around a scene, and from where it is seen, where no file says
 #   scenes, loaders   scenes made by code and from files
 #   rendering         one image; report: the figures and the page of a comparison
+#   peers             other renderers, of which the same scene is shown
 #   comparing, methods, bench, selftest   measurements made of renders and selections
 #   mitsuba           scenes of Mitsuba's, rendered there or here
 #   cli               the command
 
 from ._core import COUNTS, LIGHT, LOBE, SELECTION, Error
 from ._core import VERSION as __version__
-from .camera import Camera
+from .camera import Camera, View
 from .comparing.compare import SAMPLERS, compare
 from .images import apply_view, read_image, view_names, write_exr, write_png
 from .loaders import UnsupportedWarning, example_scene, load, open_scene
 from .methods import MethodReport, compare_methods
+from .rendering.frames import Frames
 from .rendering.job import SubjectJob
 from .rendering.method import METHODS
 from .rendering.own_sampler import OwnSampler, SamplerLibrary
@@ -54,6 +57,7 @@ __all__ = [
     "Camera",
     "Comparison",
     "Error",
+    "Frames",
     "LightSampler",
     "LightSelector",
     "MethodReport",
@@ -66,6 +70,7 @@ __all__ = [
     "Subject",
     "SubjectJob",
     "UnsupportedWarning",
+    "View",
     "__version__",
     "apply_view",
     "bounded_lights",

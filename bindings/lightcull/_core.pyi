@@ -32,6 +32,8 @@ def read_image(path: str, linear_data: bool = False) -> np.ndarray: ...
 def read_stored_image(path: str) -> np.ndarray:
     """uint8 or uint16 (H, W, 3) or (H, W) as in the file, else float32 (H, W, 3), linear RGB."""
 
+def read_layer(path: str, name: str) -> np.ndarray: ...
+
 def read_obj(text: bytes, material_count: int, /) -> list[dict[str, Any]]:
     """The meshes of an OBJ file, one for each material, and for each of having normals and texture
     coordinates or not: "material" (-1: none), "positions" (N, 3), "indices" (M, 3), and "normals",
@@ -124,9 +126,21 @@ class Scene:
         vertical_fov: float,
         aperture_radius: float,
         focus_distance: float,
+        orthographic_height: float,
         /,
     ) -> None: ...
     def commit(self) -> None: ...
+    def set_mesh_positions(
+        self, mesh: int, positions: np.ndarray, normals: np.ndarray | None, /
+    ) -> None: ...
+    def set_light_positions(self, positions: np.ndarray, /) -> None: ...
+    def set_light_directions(self, directions: np.ndarray, /) -> None: ...
+    def refit(self) -> tuple[bool, float]:
+        """Whether Embree's tree was built anew, and how loose it had become before that."""
+
+    def contents(self) -> dict[str, Any]:
+        """What was added, as it is now, as scene_contents.cpp names it."""
+
     def lights(self) -> np.ndarray: ...
     def light_count(self) -> int: ...
     def emitter_count(self) -> int: ...
@@ -150,6 +164,25 @@ def vulkan_devices() -> list[tuple[str, str]]:
 def check_sampler(description: str, /) -> None:
     """Throws Error unless it describes a sampler."""
 
+
+
+class Preview:
+    def __init__(self, scene: Scene, /) -> None: ...
+    def distances(self, origins: np.ndarray, directions: np.ndarray, /) -> np.ndarray: ...
+    def look(
+        self,
+        origin: Any,
+        target: Any,
+        up: Any,
+        vertical_fov: float,
+        aperture_radius: float,
+        focus_distance: float,
+        orthographic_height: float,
+        width: int,
+        height: int,
+        passes: int,
+        /,
+    ) -> np.ndarray: ...
 
 class LightSelector:
     def select(
@@ -349,6 +382,9 @@ class Renderer:
         emission_apart: bool,
     ) -> None: ...
     def render_pass(self) -> bool: ...
+    def restart(self, seed: int, /) -> tuple[bool, float]:
+        """Whether the sampler was built anew, and how loose it had become before that."""
+
     def image(self) -> np.ndarray: ...
     def emission(self) -> np.ndarray:
         """The part of the image that the camera sees of emitters directly: float32 (H, W, 3). An

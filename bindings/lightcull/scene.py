@@ -12,7 +12,8 @@ import numpy as np
 
 from . import _core, checks
 from ._core import Error
-from .camera import Camera
+from .camera import Camera, chosen_camera, triple
+from .file_settings import FileSettings
 from .scene_digest import SceneDigest
 
 Vector: TypeAlias = Sequence[float] | np.ndarray
@@ -25,9 +26,10 @@ class Scene:
     """Geometry, materials, emitters and a camera, in metres, radians and linear RGB.
 
     Fill it, then render it. The first use (`render`, `lights`, a `LightSampler`) closes it: nothing
-    can be added from then on. Arrays are kept as float32, and indices as uint32; those of any other
-    real dtype, in any order in memory, are converted. Another shape is a TypeError, and values that
-    do not fit or make no sense are a `lightcull.Error`.
+    can be added from then on, but what there is can be moved, while nothing renders it. Arrays are
+    kept as float32, and indices as uint32; those of any other real dtype, in any order in memory,
+    are converted. Another shape is a TypeError, and values that do not fit or make no sense are a
+    `lightcull.Error`.
 
     >>> scene = Scene()
     >>> floor = np.array([[-5, 0, -5], [-5, 0, 5], [5, 0, 5], [5, 0, -5]], np.float32)
@@ -40,13 +42,17 @@ class Scene:
     def __init__(self, name: str = "scene") -> None:
         self.name = checks.text("name", name)
         """What images and reports call it."""
+        self.file_settings = FileSettings()
+        """How its file wants to be rendered."""
         self._core = _core.Scene()
         self._camera = Camera()
+        self._cameras: list[Camera] = []
         self._digest = SceneDigest()
         self._closed = False
+        self._moved = False
         self._lock = threading.Lock()
         self._default_materials: dict[float, int] = {}
-        self._bounds: np.ndarray | None = None
+        self._mesh_bounds: dict[int, np.ndarray] = {}
         self._counts = {"meshes": 0, "materials": 0, "textures": 0, "points": 0, "spots": 0}
         self._counts["directional lights"] = self._counts["virtual lights"] = 0
 
@@ -231,30 +237,91 @@ class Scene:
         vertical_fov: float = 0.8,
         aperture_radius: float = 0.0,
         focus_distance: float = 1.0,
+        orthographic_height: float = 0.0,
     ) -> None:
         """Places the camera: a thin lens at `origin` that looks to `target` (metres).
 
         vertical_fov: radians. aperture_radius, focus_distance: metres; a radius of 0 is a pinhole.
+        orthographic_height: metres that the image is high, seen by parallel rays from the plane of
+        the origin; 0: perspective.
         """
         lens = (
             checks.number("vertical_fov", vertical_fov),
             checks.number("aperture_radius", aperture_radius),
             checks.number("focus_distance", focus_distance),
+            checks.number("orthographic_height", orthographic_height),
         )
         parameters = (origin, target, up, *lens)
         self._core.set_camera(*parameters)
         self._digest.add("camera", *parameters)
-        self._camera = Camera(_triple(origin), _triple(target), _triple(up), *lens)
+        self._camera = Camera(triple(origin), triple(target), triple(up), *lens)
+
+    def set_mesh_positions(
+        self, mesh: int, positions: np.ndarray, normals: np.ndarray | None = None
+    ) -> None:
+        """Moves the corners of a mesh, of lamps or anything else; see `Frames`.
+
+        mesh: an id of `add_mesh` or `add_light_mesh`. positions: (N, 3), metres, as many as it was
+        added with. normals: likewise, of a mesh that has them; None: they stay.
+        """
+        checks.whole_number("mesh", mesh, most=_core.NO_TEXTURE - 1)
+        with self._lock:
+            self._core.set_mesh_positions(mesh, positions, normals)
+            self._moved = True
+        self._digest.add("mesh positions", mesh, positions, normals)
+        self._include(mesh, positions)
+
+    def set_light_positions(self, positions: np.ndarray) -> None:
+        """Moves the points and spots: (N, 3), metres, one for each in the order in which they were
+        added.
+        """
+        with self._lock:
+            self._core.set_light_positions(positions)
+            self._moved = True
+        self._digest.add("light positions", positions)
+
+    def set_light_directions(self, directions: np.ndarray) -> None:
+        """Turns the spots and directional lights: (N, 3), any length but 0, one for each in the
+        order in which they were added.
+        """
+        with self._lock:
+            self._core.set_light_directions(directions)
+            self._moved = True
+        self._digest.add("light directions", directions)
+
+    def add_camera(self, camera: Camera) -> None:
+        """Adds a camera to those of the scene's file. The first one is in use."""
+        self._cameras.append(camera)
+        if len(self._cameras) == 1:
+            self.use_camera(0)
+
+    def use_camera(self, which: str | int) -> None:
+        """Sees the scene by one of `cameras`: by its name, or by its number from 0."""
+        camera = self._cameras[chosen_camera([c.name for c in self._cameras], which)]
+        self.set_camera(*camera.parameters)
+        self._camera = camera
+
+    @property
+    def cameras(self) -> tuple[Camera, ...]:
+        """Those of the scene's file."""
+        return tuple(self._cameras)
 
     @property
     def camera(self) -> Camera:
-        """The camera that `set_camera` placed."""
+        """The camera that is in use."""
         return self._camera
+
+    def preview(self) -> _core.Preview:
+        """A look at the scene as it is so far, which stays open."""
+        return _core.Preview(self._core)
 
     @property
     def bounds(self) -> np.ndarray | None:
         """Smallest and largest corner of all meshes, float32 (2, 3), metres; None without any."""
-        return None if self._bounds is None else self._bounds.copy()
+        if not self._mesh_bounds:
+            return None
+        corners = np.stack(list(self._mesh_bounds.values()))
+        return np.stack([corners[:, 0].min(axis=0), corners[:, 1].max(axis=0)])
 
     @property
     def triangle_count(self) -> int:
@@ -286,11 +353,14 @@ class Scene:
         return self._digest.hexdigest()
 
     def closed(self) -> _core.Scene:
-        """The compiled scene, ready to be rendered; nothing can be added any more."""
+        """The compiled scene, ready to be rendered as it is now; nothing can be added any more."""
         with self._lock:
             if not self._closed:
                 self._core.commit()
                 self._closed = True
+            elif self._moved:
+                self._core.refit()
+            self._moved = False
         return self._core
 
     def __repr__(self) -> str:
@@ -313,19 +383,13 @@ class Scene:
         mesh = self._core.add_mesh(*parameters)
         self._digest.add("mesh", *parameters)
         self._counts["meshes"] += 1
-        self._include(positions)
+        self._include(mesh, positions)
         return mesh
 
-    def _include(self, positions: np.ndarray) -> None:
-        if len(positions) == 0:
-            return
-        corners = [positions.min(axis=0).astype(np.float32), positions.max(axis=0).astype(np.float32)]
-        if self._bounds is not None:
-            corners = [
-                np.minimum(corners[0], self._bounds[0]),
-                np.maximum(corners[1], self._bounds[1]),
-            ]
-        self._bounds = np.stack(corners)
+    def _include(self, mesh: int, positions: np.ndarray) -> None:
+        if len(positions) > 0:
+            corners = np.stack([positions.min(axis=0), positions.max(axis=0)])
+            self._mesh_bounds[mesh] = corners.astype(np.float32)
 
     def _default_material(self, grey: float) -> int:
         if grey not in self._default_materials:
@@ -337,11 +401,6 @@ def _texture_id(name: str, texture: int | None) -> int:
     if texture is None:
         return _core.NO_TEXTURE
     return checks.whole_number(name, texture, most=_core.NO_TEXTURE - 1)
-
-
-def _triple(vector: Vector) -> tuple[float, float, float]:
-    x, y, z = vector
-    return float(x), float(y), float(z)
 
 
 def _environment_texels(map_or_rgb: TextureSource | Vector) -> np.ndarray:

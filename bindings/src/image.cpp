@@ -42,6 +42,11 @@ py::object read_stored(const std::string& path) {
     return array_from_image(image.pixels, image.width, image.height);
 }
 
+py::object read_layer_array(const std::string& path, const std::string& name) {
+    const Image image = read_layer(path, name);
+    return array_from_image(image.pixels, image.width, image.height);
+}
+
 void write_exr_array(const std::string& path, const py::object& array, bool half,
                      const Metadata& metadata) {
     const Image image = image_from_array(array, "image");
@@ -75,6 +80,7 @@ void write_file(const std::string& path, const py::bytes& bytes) {
 void bind_image(py::module_& module) {
     module.def("read_image", &read, py::arg("path"), py::arg("linear_data") = false);
     module.def("read_stored_image", &read_stored, py::arg("path"));
+    module.def("read_layer", &read_layer_array, py::arg("path"), py::arg("name"));
     module.def("write_exr", &write_exr_array, py::arg("path"), py::arg("image"),
                py::arg("half") = false, py::arg("metadata") = Metadata());
     module.def("write_png", &write_png_array, py::arg("path"), py::arg("image"),

@@ -44,6 +44,12 @@ class InterruptibleRenderer : public Interruptible<Renderer> {
         return part([](const Renderer& renderer) { return renderer.lit(); });
     }
 
+    /// Whether the sampler's tree was built anew, and how loose it had become before that.
+    std::pair<bool, float> restart(std::uint64_t seed) {
+        const LightUpdate done = locked([&](Renderer& renderer) { return renderer.restart(seed); });
+        return {done.rebuilt, done.growth};
+    }
+
     /// The sums of the passes, as float64 (H, W, 3).
     py::object sums() {
         const RenderState state = locked([](const Renderer& renderer) { return renderer.state(); });
@@ -196,6 +202,7 @@ void bind_renderer(py::module_& module) {
              py::arg("height"), py::arg("max_depth"), py::arg("seed"), py::arg("threads"),
              py::arg("rr_depth"), py::arg("direct_light"), py::arg("emission_apart"))
         .def("render_pass", &InterruptibleRenderer::render_pass)
+        .def("restart", &InterruptibleRenderer::restart)
         .def("image", &InterruptibleRenderer::image)
         .def("emission", &InterruptibleRenderer::emission)
         .def("lit", &InterruptibleRenderer::lit)

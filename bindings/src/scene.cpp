@@ -1,12 +1,17 @@
+#include <lightcull/render/preview.h>
 #include <lightcull/render/scene.h>
 
 #include "arrays.h"
 #include "module.h"
 #include "records.h"
+#include "scene_contents.h"
+
+#include <pybind11/stl.h>
 
 #include <algorithm>
 #include <memory>
 #include <utility>
+#include <vector>
 
 namespace lightcull::python {
 namespace {
@@ -102,9 +107,9 @@ void set_environment(Scene& scene, const py::object& map, const py::object& scal
         {map_from_array(map, "environment"), float3_from(scale, "scale"), rotation});
 }
 
-void set_camera(Scene& scene, const py::object& origin, const py::object& target,
-                const py::object& up, float vertical_fov, float aperture_radius,
-                float focus_distance) {
+Camera camera_from(const py::object& origin, const py::object& target, const py::object& up,
+                   float vertical_fov, float aperture_radius, float focus_distance,
+                   float orthographic_height) {
     Camera camera;
     camera.origin = float3_from(origin, "origin");
     camera.target = float3_from(target, "target");
@@ -112,7 +117,22 @@ void set_camera(Scene& scene, const py::object& origin, const py::object& target
     camera.vertical_fov = vertical_fov;
     camera.aperture_radius = aperture_radius;
     camera.focus_distance = focus_distance;
-    scene.set_camera(camera);
+    camera.orthographic_height = orthographic_height;
+    return camera;
+}
+
+void set_camera(Scene& scene, const py::object& origin, const py::object& target,
+                const py::object& up, float vertical_fov, float aperture_radius,
+                float focus_distance, float orthographic_height) {
+    scene.set_camera(camera_from(origin, target, up, vertical_fov, aperture_radius, focus_distance,
+                                 orthographic_height));
+}
+
+void set_mesh_positions(Scene& scene, MeshId mesh, const py::object& positions,
+                        const py::object& normals) {
+    const Rows<float3> position_rows(positions, "positions");
+    const auto normal_rows = Rows<float3>::optional(normals, "normals", position_rows.size());
+    scene.set_mesh_positions(mesh, position_rows.span(), normal_rows.span());
 }
 
 py::object lights_of(const Scene& scene) {
@@ -120,6 +140,30 @@ py::object lights_of(const Scene& scene) {
     py::object array = new_array(py::make_tuple(lights.size()), light_dtype());
     std::copy(lights.begin(), lights.end(), elements<Light>(array).begin());
     return array;
+}
+
+py::object distances(const Preview& preview, const py::object& origins,
+                     const py::object& directions) {
+    const Rows<float3> from(origins, "origins");
+    const Rows<float3> along(directions, "directions", from.size());
+    const std::vector<float> found = preview.distances(from.span(), along.span());
+    py::object array = new_array(py::make_tuple(found.size()), numpy_dtype(py::str("float32")));
+    std::copy(found.begin(), found.end(), elements<float>(array).begin());
+    return array;
+}
+
+py::object look(Preview& preview, const py::object& origin, const py::object& target,
+                const py::object& up, float vertical_fov, float aperture_radius,
+                float focus_distance, float orthographic_height, std::uint32_t width,
+                std::uint32_t height, std::uint32_t passes) {
+    const Camera camera = camera_from(origin, target, up, vertical_fov, aperture_radius,
+                                      focus_distance, orthographic_height);
+    std::vector<float3> pixels;
+    {
+        const py::gil_scoped_release release;
+        pixels = preview.look(camera, width, height, passes);
+    }
+    return array_from_image(pixels, width, height);
 }
 
 }  // namespace
@@ -148,12 +192,32 @@ void bind_scene(py::module_& module) {
         .def("set_environment", &set_environment)
         .def("set_camera", &set_camera)
         .def("commit", &Scene::commit, py::call_guard<py::gil_scoped_release>())
+        .def("set_mesh_positions", &set_mesh_positions)
+        .def("set_light_positions",
+             [](Scene& scene, const py::object& positions) {
+                 scene.set_light_positions(Rows<float3>(positions, "positions").span());
+             })
+        .def("set_light_directions",
+             [](Scene& scene, const py::object& directions) {
+                 scene.set_light_directions(Rows<float3>(directions, "directions").span());
+             })
+        .def("refit",
+             [](Scene& scene) {
+                 const py::gil_scoped_release release;
+                 const SceneRefit done = scene.refit();
+                 return std::make_pair(done.rebuilt, done.growth);
+             })
+        .def("contents", [](const Scene& scene) { return contents_as_dict(contents_of(scene)); })
         .def("lights", &lights_of)
         .def("light_count", [](const Scene& scene) { return scene.lights().size(); })
         .def("emitter_count", &Scene::emitter_count)
         .def("triangle_count", &Scene::triangle_count)
         .def("has_environment", &Scene::has_environment)
         .def("memory_size", &Scene::memory_size);
+    py::class_<Preview>(module, "Preview")
+        .def(py::init<const Scene&>(), py::call_guard<py::gil_scoped_release>())
+        .def("distances", &distances)
+        .def("look", &look);
 }
 
 }  // namespace lightcull::python

@@ -3,10 +3,12 @@
 #include <lightcull/error.h>
 #include <lightcull/image/image.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <exception>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <limits>
 #include <memory>
 #include <string>
@@ -110,9 +112,47 @@ std::vector<float> to_floats(const std::vector<T>& samples) {
     return floats;
 }
 
-}  // namespace
+/// The channel of a layer; -1 if there is none.
+int channel_of(const OIIO::ImageSpec& spec, const std::string& layer, char color) {
+    const std::string wanted = layer + '.' + color;
+    for (int i = 0; i < spec.nchannels; ++i) {
+        const std::string name = "." + spec.channelnames[static_cast<std::size_t>(i)];
+        if (name.size() > wanted.size() &&
+            name.compare(name.size() - wanted.size() - 1, std::string::npos, "." + wanted) == 0) {
+            return i;
+        }
+    }
+    return -1;
+}
 
-StoredImage read_stored_image(const std::string& path) {
+Image read_layer_opened(const std::string& path, OIIO::ImageInput& input, const std::string& name) {
+    for (int part = 0; input.seek_subimage(part, 0); ++part) {
+        const OIIO::ImageSpec spec = input.spec();
+        const int channels[] = {channel_of(spec, name, 'R'), channel_of(spec, name, 'G'),
+                                channel_of(spec, name, 'B')};
+        if (*std::min_element(std::begin(channels), std::end(channels)) < 0) continue;
+        check_size(path, spec);
+        const auto stride = static_cast<std::size_t>(spec.nchannels);
+        std::vector<float> samples(spec.image_pixels() * stride);
+        if (!input.read_image(part, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, samples.data())) {
+            fail(path, input.geterror());
+        }
+        Image image{
+            static_cast<std::uint32_t>(spec.width), static_cast<std::uint32_t>(spec.height), {}};
+        for (std::size_t i = 0; i < samples.size(); i += stride) {
+            const auto sample = [&](int c) {
+                return samples[i + static_cast<std::size_t>(channels[c])];
+            };
+            image.pixels.push_back({sample(0), sample(1), sample(2)});
+        }
+        return image;
+    }
+    fail(path, "there is no layer " + name);
+}
+
+/// Calls read(), which opens and reads the file, if it is one.
+template <typename Read>
+auto read_file(const std::string& path, const Read& read) {
     if (path.find('\0') != std::string::npos) {
         fail(path.substr(0, path.find('\0')) + "\\0...", "no name of a file");
     }
@@ -124,13 +164,18 @@ StoredImage read_stored_image(const std::string& path) {
         fail(path, "not a file");
     }
     try {
-        const auto input = open_image(path);
-        return read_opened(path, *input);
+        return read(*open_image(path));
     } catch (const Error&) {
         throw;
     } catch (const std::exception& error) {  // a header that promises more than memory holds
         fail(path, error.what());
     }
+}
+
+}  // namespace
+
+StoredImage read_stored_image(const std::string& path) {
+    return read_file(path, [&](OIIO::ImageInput& input) { return read_opened(path, input); });
 }
 
 Image read_image(const std::string& path, bool linear_data) {
@@ -145,6 +190,11 @@ Image read_image(const std::string& path, bool linear_data) {
                  OIIO::sRGB_to_linear(pixel.z)};
     }
     return image;
+}
+
+Image read_layer(const std::string& path, const std::string& name) {
+    return read_file(path,
+                     [&](OIIO::ImageInput& input) { return read_layer_opened(path, input, name); });
 }
 
 }  // namespace lightcull

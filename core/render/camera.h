@@ -11,7 +11,7 @@
 namespace lightcull {
 
 /// Rays of a thin-lens camera, or of a pinhole where the aperture is 0. What lies in the plane
-/// `focus_distance` in front of the lens is sharp.
+/// `focus_distance` in front of the lens is sharp. Those of an orthographic camera are parallel.
 class LIGHTCULL_CORE_EXPORT CameraRays {
   public:
     /// width, height: pixels of the image.
@@ -23,12 +23,13 @@ class LIGHTCULL_CORE_EXPORT CameraRays {
 
     /// The components of a vector to the right, up, and forward.
     V3f to_view(const V3f& v) const noexcept;
-    /// The middle of the lens.
+    /// The middle of the lens, or of the plane where orthographic rays start.
     const V3f& origin() const noexcept { return origin_; }
 
   private:
-    V3f origin_, right_, up_, corner_, across_, down_;
+    V3f origin_, forward_, right_, up_, corner_, across_, down_;
     float aperture_radius_, focus_distance_;
+    bool orthographic_;
 };
 
 }  // namespace lightcull

@@ -5,6 +5,7 @@
 #include <lightcull/error.h>
 
 #include <cmath>
+#include <limits>
 
 namespace lightcull::check {
 
@@ -26,13 +27,19 @@ void finite(std::string_view what, float3 value) {
 
 bool is_position(float3 value) noexcept {
     constexpr float kLargestCoordinate = 1e15f;
-    const V3f p = to_v3f(value);
-    return is_finite(p) && max_component(abs(p)) <= kLargestCoordinate;
+    return std::fabs(value.x) <= kLargestCoordinate && std::fabs(value.y) <= kLargestCoordinate &&
+           std::fabs(value.z) <= kLargestCoordinate;
 }
 
 void position(std::string_view what, float3 value) {
     finite(what, value);
     if (!is_position(value)) fail(what, "is above 1e15");
+}
+
+void positions(std::string_view what, Span<const float3> values) {
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        if (!is_position(values[i])) position(element(what, i), values[i]);
+    }
 }
 
 void radiometric(std::string_view what, float3 value) {
@@ -51,6 +58,20 @@ void index(std::string_view what, std::size_t i, std::size_t count, std::string_
         fail(what, "is " + std::to_string(i) + ", but there are " + std::to_string(count) + " " +
                        std::string(kind));
     }
+}
+
+void emissive_area(std::string_view mesh, std::size_t i, float3 a, float3 b, float3 c) {
+    // What is far above is found in floats, which is quicker.
+    constexpr float kSurely = 1e-15f;
+    const V3f normal = (to_v3f(b) - to_v3f(a)).cross(to_v3f(c) - to_v3f(a));
+    if (std::fabs(normal.x) + std::fabs(normal.y) + std::fabs(normal.z) > kSurely) return;
+    constexpr double kLeast = std::numeric_limits<float>::min();
+    const Imath::V3d corner(to_v3f(a));
+    const double twice =
+        (Imath::V3d(to_v3f(b)) - corner).cross(Imath::V3d(to_v3f(c)) - corner).length();
+    if (!(twice > 0.0 && twice < kLeast)) return;
+    fail(std::string(mesh) + ": triangle " + std::to_string(i),
+         "emits, and its area is below 6e-39 m^2, which floats do not hold");
 }
 
 void texture(std::string_view what, const Texture& texture) {
@@ -95,6 +116,12 @@ void camera(const Camera& camera) {
     finite("camera: focus_distance", camera.focus_distance);
     if (camera.focus_distance <= 0.0f) fail("camera: focus_distance", "is not above 0");
     if (camera.focus_distance > 1e15f) fail("camera: focus_distance", "is above 1e15");
+    finite("camera: orthographic_height", camera.orthographic_height);
+    if (camera.orthographic_height > 1e15f) fail("camera: orthographic_height", "is above 1e15");
+    if (camera.orthographic_height < 0.0f) fail("camera: orthographic_height", "is negative");
+    if (camera.orthographic_height > 0.0f && camera.aperture_radius > 0.0f) {
+        fail("camera: aperture_radius", "is above 0, and orthographic cameras have no lens");
+    }
 }
 
 std::string element(std::string_view field, std::size_t i) {

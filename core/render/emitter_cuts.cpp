@@ -1,5 +1,6 @@
 #include "render/emitter_cuts.h"
 
+#include "render/emitter_place.h"
 #include "render/lit_distance.h"
 #include "render/texture.h"
 
@@ -193,28 +194,27 @@ void Cutting::cut() {
 void Cutting::take_over() {
     const Span<const TriangleCuts::Part> parts = scene_.cuts.parts();
     scene_.part_lights.assign(parts.size(), kNone);
-    TriangleEmitter whole{};
+    scene_.mean_radiances.resize(scene_.lights.size());
     for (std::uint32_t i = 0; i < parts.size(); ++i) {
         std::uint32_t light = candidates_[parts[i].triangle];
         if (!scene_.cuts.is_cut(parts[i].triangle)) {
-            if (parts[i].radiance == 0.0f) scene_.lights[light].intensity = 0.0f;
+            if (parts[i].radiance == 0.0f) {
+                scene_.mean_radiances[light] = scene_.lights[light].intensity = 0.0f;
+            }
             continue;
         }
-        if (i == 0 || parts[i - 1].triangle != parts[i].triangle) {
-            whole = *triangle_of(scene_.emitters[light]);
-        } else {
+        TriangleEmitter part = emitter_of(parts[i].triangle);
+        part.part = i;
+        if (i > 0 && parts[i - 1].triangle == parts[i].triangle) {
             light = static_cast<std::uint32_t>(scene_.lights.size());
             scene_.lights.emplace_back();
             scene_.emitters.emplace_back();
+            scene_.mean_radiances.emplace_back();
             ++scene_.further_parts;
         }
-        TriangleEmitter part = part_of(whole, parts[i].corners);
-        scene_.lights[light] =
-            triangle_light(to_float3(part.corner), to_float3(part.corner + part.edge1),
-                           to_float3(part.corner + part.edge2), parts[i].radiance, whole.two_sided);
-        if (whole.has_texture) part = whole;
-        part.part = i;
         scene_.emitters[light] = part;
+        scene_.mean_radiances[light] = parts[i].radiance;
+        place_triangle_light(scene_, light);
         scene_.part_lights[i] = light;
     }
 }

@@ -55,6 +55,10 @@ EnvironmentMap::EnvironmentMap(Environment environment)
     for (float& pdf : pdfs_) pdf = static_cast<float>(static_cast<double>(pdf) / total);
 }
 
+Environment EnvironmentMap::description() const {
+    return {map_, to_float3(scale_), std::atan2(sin_rotation_, cos_rotation_)};
+}
+
 V2f EnvironmentMap::to_map(const V3f& d) const noexcept {
     const float x = cos_rotation_ * d.x - sin_rotation_ * d.z;
     const float z = sin_rotation_ * d.x + cos_rotation_ * d.z;

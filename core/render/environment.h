@@ -30,6 +30,9 @@ class LIGHTCULL_CORE_EXPORT EnvironmentMap {
     /// cell and u in [0, 1).
     EnvironmentSample sample(double cell, const V2f& u) const noexcept;
 
+    /// What it was made of.
+    Environment description() const;
+
     /// The memory that the map takes, bytes.
     std::size_t memory_size() const noexcept {
         return size_of(map_.texels) + cells_.memory_size() + size_of(pdfs_);

@@ -2,6 +2,7 @@
 
 #include "base/memory_size.h"
 #include "render/embree.h"
+#include "render/looseness.h"
 #include "render/shadow_filter.h"
 
 #include <lightcull/error.h>
@@ -72,15 +73,22 @@ void prepare(RTCRay16& packet) noexcept {
 struct RayTracer::Handles {
     RTCDevice device = nullptr;
     RTCScene scene = nullptr;
+    RTCGeometry geometry = nullptr;  ///< null where there are no triangles
+    Span<const V3f> positions;
+    Span<const std::uint32_t> indices;
     float scale = 1.0f;       ///< parts of a metre in Embree's unit of length
     std::vector<V3f> scaled;  ///< positions in that unit; none where it is the metre
     Triangles triangles{};
+    bool can_be_fitted = false;
+    Looseness looseness;              ///< looseness since it was built, if it can be fitted
     std::atomic<::ssize_t> bytes{0};  ///< bytes that Embree has taken and not given back
 
-    Handles() = default;
+    Handles(Span<const V3f> p, Span<const std::uint32_t> i, Span<const TriangleRecord> records,
+            float reach, const SceneData* cut_outs, bool to_be_fitted);
     Handles(const Handles&) = delete;
     Handles& operator=(const Handles&) = delete;
     ~Handles() {
+        if (geometry != nullptr) rtcReleaseGeometry(geometry);
         if (scene != nullptr) rtcReleaseScene(scene);
         if (device != nullptr) rtcReleaseDevice(device);
     }
@@ -93,14 +101,18 @@ struct RayTracer::Handles {
         rtcSetDeviceMemoryMonitorFunction(device, add, &bytes);
     }
 
-    /// Sets the unit of length and returns the positions in it.
-    const V3f* rescaled(Span<const V3f> positions, float reach) {
-        scale = scale_for_embree(reach);
+    /// The positions in Embree's unit of length.
+    const V3f* vertices() {
         if (scale == 1.0f) return positions.data();
         scaled.reserve(positions.size() + 1);  // Embree reads 16 bytes from the last position.
-        for (const V3f& p : positions) scaled.push_back(p * scale);
+        scaled.resize(positions.size());
+        std::transform(positions.begin(), positions.end(), scaled.begin(),
+                       [this](const V3f& p) { return p * scale; });
         return scaled.data();
     }
+
+    void add_triangles();
+    void fit();
 
     void check() const {
         const RTCError error = rtcGetDeviceError(device);
@@ -111,41 +123,83 @@ struct RayTracer::Handles {
     }
 };
 
+RayTracer::Handles::Handles(Span<const V3f> p, Span<const std::uint32_t> i,
+                            Span<const TriangleRecord> records, float reach,
+                            const SceneData* cut_outs, bool to_be_fitted)
+    : positions(p),
+      indices(i),
+      scale(scale_for_embree(reach)),
+      triangles{p.data(), i.data(), records.data(), std::min(scale, 1.0f), cut_outs},
+      can_be_fitted(to_be_fitted) {
+    device = rtcNewDevice(nullptr);
+    check();
+    count_memory();
+    scene = rtcNewScene(device);
+    // With ROBUST no light leaks along shared edges. Trees of other scenes than dynamic ones of low
+    // quality are always built anew.
+    const auto dynamic = can_be_fitted ? RTC_SCENE_FLAG_DYNAMIC : RTC_SCENE_FLAG_NONE;
+    rtcSetSceneFlags(scene, static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | dynamic));
+    if (can_be_fitted) {
+        rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_LOW);
+        looseness = Looseness(positions, indices);
+    }
+    if (!indices.empty()) add_triangles();
+    rtcCommitScene(scene);
+    check();
+}
+
+void RayTracer::Handles::add_triangles() {
+    geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, vertices(),
+                               0, sizeof(V3f), positions.size());
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, indices.data(),
+                               0, 3 * sizeof(std::uint32_t), indices.size() / 3);
+    rtcSetGeometryUserData(geometry, &triangles);
+    rtcSetGeometryOccludedFilterFunction(geometry, filter_shadow_hits);
+    if (triangles.cut_outs != nullptr) {
+        rtcSetGeometryIntersectFilterFunction(geometry, filter_cut_outs);
+    }
+    if (can_be_fitted) rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_REFIT);
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometry(scene, geometry);
+}
+
+void RayTracer::Handles::fit() {
+    if (geometry == nullptr) return;
+    vertices();
+    rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
+    rtcCommitGeometry(geometry);
+    rtcCommitScene(scene);
+    check();
+}
+
 RayTracer::RayTracer(Span<const V3f> positions, Span<const std::uint32_t> indices,
                      Span<const TriangleRecord> triangles, float reach, const SceneData* cut_outs)
-    : handles_(std::make_unique<Handles>()) {
-    handles_->device = rtcNewDevice(nullptr);
-    handles_->check();
-    handles_->count_memory();
-    handles_->scene = rtcNewScene(handles_->device);
-    // With this flag no light leaks along shared edges.
-    rtcSetSceneFlags(handles_->scene, RTC_SCENE_FLAG_ROBUST);
-    if (!indices.empty()) {
-        const V3f* vertices = handles_->rescaled(positions, reach);
-        RTCGeometry geometry = rtcNewGeometry(handles_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, vertices,
-                                   0, sizeof(V3f), positions.size());
-        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                                   indices.data(), 0, 3 * sizeof(std::uint32_t),
-                                   indices.size() / 3);
-        handles_->triangles = {positions.data(), indices.data(), triangles.data(),
-                               std::min(handles_->scale, 1.0f), cut_outs};
-        rtcSetGeometryUserData(geometry, &handles_->triangles);
-        rtcSetGeometryOccludedFilterFunction(geometry, filter_shadow_hits);
-        if (cut_outs != nullptr) {
-            rtcSetGeometryIntersectFilterFunction(geometry, filter_cut_outs);
-        }
-        rtcCommitGeometry(geometry);
-        rtcAttachGeometry(handles_->scene, geometry);
-        rtcReleaseGeometry(geometry);
+    : handles_(std::make_unique<Handles>(positions, indices, triangles, reach, cut_outs, false)) {
+}
+
+SceneRefit RayTracer::refit(float reach, float max_growth) {
+    const Handles& h = *handles_;
+    SceneRefit result;
+    result.rebuilt = !h.can_be_fitted || scale_for_embree(reach) != h.scale;
+    if (!result.rebuilt) {
+        result.growth = h.looseness.growth(h.positions, h.indices);
+        result.rebuilt = result.growth > max_growth;
     }
-    rtcCommitScene(handles_->scene);
-    handles_->check();
+    if (result.rebuilt) {
+        handles_ = std::make_unique<Handles>(
+            h.positions, h.indices,
+            Span<const TriangleRecord>(h.triangles.records, h.indices.size() / 3), reach,
+            h.triangles.cut_outs, true);
+    } else {
+        handles_->fit();
+    }
+    return result;
 }
 
 std::size_t RayTracer::memory_size() const noexcept {
     return static_cast<std::size_t>(std::max<::ssize_t>(handles_->bytes, 0)) +
-           size_of(handles_->scaled);
+           size_of(handles_->scaled) + handles_->looseness.memory_size();
 }
 
 RayTracer::~RayTracer() = default;

@@ -5,6 +5,7 @@
 #include "render/triangle_record.h"
 #include "render/vec.h"
 
+#include <lightcull/render/scene.h>
 #include <lightcull/span.h>
 
 #include <cstddef>
@@ -24,6 +25,10 @@ class LIGHTCULL_CORE_EXPORT RayTracer {
     /// scene of the triangles, if some of them are cut out. Throws Error.
     RayTracer(Span<const V3f> positions, Span<const std::uint32_t> indices,
               Span<const TriangleRecord> triangles, float reach, const SceneData* cut_outs);
+    /// Follows positions that have changed in their places, by fitting the acceleration structure,
+    /// which is built anew the first time and where it has grown looser than max_growth.
+    SceneRefit refit(float reach, float max_growth);
+
     ~RayTracer();
     RayTracer(RayTracer&&) noexcept;
     RayTracer& operator=(RayTracer&&) noexcept;

@@ -55,7 +55,8 @@ struct Renderer::Impl {
     std::vector<V3f> pass_emission;  ///< part of pass_pixels; empty unless emission is kept apart
     Film emission;
     RenderStats stats;
-    RenderStats cost;  ///< statistics of the pass under way
+    RenderStats cost;      ///< statistics of the pass under way
+    std::uint64_t refits;  ///< SceneData::refits when the image was begun
 
     Impl(std::shared_ptr<const Scene> s, const RenderSettings& r, std::unique_ptr<LightSampler> l)
         : scene(std::move(s)),
@@ -66,7 +67,8 @@ struct Renderer::Impl {
           pass_pixels(std::size_t{r.width} * r.height),
           film(pass_pixels.size()),
           pass_emission(r.emission_apart ? pass_pixels.size() : 0),
-          emission(pass_emission.size()) {}
+          emission(pass_emission.size()),
+          refits(data_of(*scene).refits) {}
 
     void render_regions(const std::atomic<bool>* cancel);
     void render_region(const Pass& pass, const Tile& region);
@@ -158,7 +160,25 @@ Renderer::Renderer(std::shared_ptr<const Scene> scene, const RenderSettings& set
 
 Renderer::~Renderer() = default;
 
+LightUpdate Renderer::restart(std::uint64_t seed) {
+    const Clock::time_point start = Clock::now();
+    check_committed(*impl_->scene);
+    const LightUpdate update =
+        impl_->arena.execute([&] { return impl_->sampler->update(impl_->scene->lights()); });
+    impl_->settings.seed = seed;
+    impl_->refits = data_of(*impl_->scene).refits;
+    impl_->film = Film(impl_->film.sums().size());
+    impl_->emission = Film(impl_->emission.sums().size());
+    impl_->stats = {};
+    impl_->stats.seconds = impl_->stats.sampler_seconds = seconds_since(start);
+    return update;
+}
+
 bool Renderer::render_pass(const std::atomic<bool>* cancel) {
+    check_committed(*impl_->scene);
+    if (impl_->refits != data_of(*impl_->scene).refits) {
+        throw Error("renderer: the scene was moved, and restart() must come before rendering");
+    }
     const Clock::time_point start = Clock::now();
     RenderStats& cost = impl_->cost = {};
     impl_->arena.execute([&] { impl_->render_regions(cancel); });

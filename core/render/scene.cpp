@@ -4,6 +4,7 @@
 #include "render/checks.h"
 #include "render/cut_outs.h"
 #include "render/emitter_cuts.h"
+#include "render/emitter_place.h"
 #include "render/scene_data.h"
 #include "render/texture.h"
 
@@ -55,10 +56,7 @@ void check_attribute(const std::string& what, Span<const T> values, std::size_t 
 }
 
 void check_geometry(const std::string& name, const Mesh& mesh) {
-    for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
-        if (check::is_position(mesh.positions[i])) continue;
-        check::position(check::element(name + ": positions", i), mesh.positions[i]);
-    }
+    check::positions(name + ": positions", mesh.positions);
     if (mesh.indices.size() % 3 != 0) {
         check::fail(name + ": indices", "has " + std::to_string(mesh.indices.size()) +
                                             " elements, not three per triangle");
@@ -85,20 +83,12 @@ V3f radiance_of(const Emission& emission, std::size_t triangle) noexcept {
     return radiance * to_v3f(emission.face_radiance[triangle]);
 }
 
-/// Checks that floats hold the areas of triangles that emit and have one: else the light of those
-/// would be lost.
 void check_areas(const std::string& name, const Mesh& mesh) {
-    constexpr double kLeast = std::numeric_limits<float>::min();
     if (!(luminance(to_v3f(mesh.emission.radiance)) > 0.0f)) return;
     for (std::size_t i = 0; i < mesh.indices.size() / 3; ++i) {
         if (!(luminance(radiance_of(mesh.emission, i)) > 0.0f)) continue;
-        const auto corner = [&](std::size_t k) {
-            return Imath::V3d(to_v3f(mesh.positions[mesh.indices[3 * i + k]]));
-        };
-        const double twice = (corner(1) - corner(0)).cross(corner(2) - corner(0)).length();
-        if (!(twice > 0.0 && twice < kLeast)) continue;
-        check::fail(name + ": triangle " + std::to_string(i),
-                    "emits, and its area is below 6e-39 m^2, which floats do not hold");
+        const auto corner = [&](std::size_t k) { return mesh.positions[mesh.indices[3 * i + k]]; };
+        check::emissive_area(name, i, corner(0), corner(1), corner(2));
     }
 }
 
@@ -143,16 +133,6 @@ std::string name_of(const char* kind, std::size_t number) {
     return std::string(kind) + " " + std::to_string(number) + ": ";
 }
 
-/// The largest coordinate, but for its sign, of what is in the scene.
-float reach_of(const SceneData& scene) noexcept {
-    float reach = max_component(abs(to_v3f(scene.camera.origin))) + scene.camera.aperture_radius;
-    for (const V3f& p : scene.positions) reach = std::max(reach, max_component(abs(p)));
-    for (const Light& light : scene.lights) {
-        reach = std::max(reach, max_component(abs(to_v3f(light.center))));
-    }
-    return reach;
-}
-
 /// Adds lights for the emissive triangles of the mesh that was added last.
 void add_triangle_lights(SceneData& scene, const Mesh& mesh) {
     const Emission& e = mesh.emission;
@@ -168,27 +148,43 @@ void add_triangle_lights(SceneData& scene, const Mesh& mesh) {
         if (!(luminance(radiance) > 0.0f)) continue;
 
         const auto triangle = static_cast<std::uint32_t>(first + i);
-        const V3f& a = scene.positions[scene.corner(triangle, 0)];
-        const V3f& b = scene.positions[scene.corner(triangle, 1)];
-        const V3f& c = scene.positions[scene.corner(triangle, 2)];
         float mean = luminance(radiance);
         if (texture != nullptr) {
             mean *=
                 texture->over(scene.uv_at(triangle, 0.0f, 0.0f), scene.uv_at(triangle, 1.0f, 0.0f),
                               scene.uv_at(triangle, 0.0f, 1.0f));
         }
-        scene.triangles[triangle].light = static_cast<std::uint32_t>(scene.lights.size());
-        scene.emitters.emplace_back(TriangleEmitter{a, b - a, c - a, radiance, triangle, kNone,
-                                                    e.two_sided, e.texture != kNoTexture});
-        scene.lights.push_back(
-            triangle_light(to_float3(a), to_float3(b), to_float3(c), mean, e.two_sided));
+        const auto light = static_cast<std::uint32_t>(scene.lights.size());
+        scene.triangles[triangle].light = light;
+        scene.emitters.emplace_back(TriangleEmitter{V3f(0.0f), V3f(0.0f), V3f(0.0f), radiance,
+                                                    triangle, kNone, e.two_sided,
+                                                    e.texture != kNoTexture});
+        scene.lights.emplace_back();
+        scene.mean_radiances.resize(scene.lights.size());
+        scene.mean_radiances[light] = mean;
+        place_triangle_light(scene, light);
     }
 }
 
 }  // namespace
 
+float reach_of(const SceneData& scene) noexcept {
+    float reach = max_component(abs(to_v3f(scene.camera.origin))) + scene.camera.aperture_radius +
+                  scene.camera.orthographic_height;
+    const auto include = [&reach](float x, float y, float z) {
+        reach = std::max({reach, std::fabs(x), std::fabs(y), std::fabs(z)});
+    };
+    for (const V3f& p : scene.positions) include(p.x, p.y, p.z);
+    for (const Light& light : scene.lights) {
+        include(light.center.x, light.center.y, light.center.z);
+    }
+    return reach;
+}
+
 void make_traceable(SceneData& scene) {
     check_not_committed(scene);
+    place_moved_lights(scene);
+    scene.is_moved = false;
     // Embree reads 16 bytes from the last position.
     scene.positions.reserve(scene.positions.size() + 1);
     scene.ray_tracer.emplace(scene.positions, scene.indices, scene.triangles, reach_of(scene),
@@ -237,6 +233,7 @@ MeshId Scene::add_mesh(const Mesh& mesh) {
 
     MeshRecord record;
     record.material = mesh.material;
+    record.first_triangle = static_cast<std::uint32_t>(s.triangles.size());
     record.emission_texture = mesh.emission.texture;
     record.first_position = static_cast<std::uint32_t>(s.positions.size());
     for (const float3 p : mesh.positions) s.positions.push_back(to_v3f(p));
@@ -347,7 +344,8 @@ SceneMemory Scene::memory_size() const noexcept {
     memory.data = size_of(s.materials) + size_of(s.meshes) + size_of(s.triangles) +
                   size_of(s.indices) + size_of(s.positions) + size_of(s.normals) + size_of(s.uvs) +
                   size_of(s.colors) + size_of(s.emitters) + size_of(s.lights) +
-                  size_of(s.virtual_lights) + s.cuts.memory_size() + size_of(s.part_lights);
+                  size_of(s.mean_radiances) + size_of(s.virtual_lights) + s.cuts.memory_size() +
+                  size_of(s.part_lights);
     for (const Texture& texture : s.textures) memory.data += lightcull::memory_size(texture);
     if (s.environment) memory.data += s.environment->memory_size();
     if (s.ray_tracer) memory.bvh = s.ray_tracer->memory_size();

@@ -24,6 +24,7 @@ namespace lightcull {
 /// SceneData.
 struct MeshRecord {
     MaterialId material = 0;
+    std::uint32_t first_triangle = 0;
     std::uint32_t first_position = 0;
     std::uint32_t first_normal = kNone;  ///< index of the first normal; kNone: no shading normals
     std::uint32_t first_uv = kNone;      ///< index of the first texture coordinates; kNone: none
@@ -44,9 +45,11 @@ struct SceneData {
     std::vector<V2f> uvs;
     std::vector<V3f> colors;
 
-    std::vector<Emitter> emitters;           ///< emitters, or parts of triangles that are cut
-    std::vector<Light> lights;               ///< lights of the emitters, one each
-    TriangleCuts cuts;                       ///< emissive triangles, cut or not, since commit()
+    std::vector<Emitter> emitters;      ///< emitters, or parts of triangles that are cut
+    std::vector<Light> lights;          ///< lights of the emitters, one each
+    std::vector<float> mean_radiances;  ///< luminances of those that are triangles or parts of
+                                        ///< them, means over their areas; may end before lights
+    TriangleCuts cuts;                  ///< emissive triangles, cut or not, since commit()
     std::vector<std::uint32_t> part_lights;  ///< lights of the parts of those that are cut
     std::size_t points = 0, spots = 0, suns = 0;  ///< numbers of such emitters
     std::size_t further_parts = 0;  ///< number of lights, the last ones, that are not a triangle's
@@ -58,6 +61,25 @@ struct SceneData {
     std::optional<EnvironmentMap> environment;
     Camera camera;
     std::optional<RayTracer> ray_tracer;  ///< present since commit()
+
+    std::vector<MeshId> moved_meshes;  ///< meshes whose lights are not where their triangles are
+    bool is_moved = false;             ///< something was moved since commit() or refit()
+    std::uint64_t refits = 0;          ///< number of refits so far
+
+    struct Range {
+        std::size_t begin, end;
+    };
+    /// The positions, and the triangles, that belong to a mesh.
+    Range positions_of(MeshId mesh) const noexcept {
+        const bool is_last = std::size_t{mesh} + 1 == meshes.size();
+        return {meshes[mesh].first_position,
+                is_last ? positions.size() : meshes[mesh + 1].first_position};
+    }
+    Range triangles_of(MeshId mesh) const noexcept {
+        const bool is_last = std::size_t{mesh} + 1 == meshes.size();
+        return {meshes[mesh].first_triangle,
+                is_last ? triangles.size() : meshes[mesh + 1].first_triangle};
+    }
 
     /// The index of a corner into positions.
     std::uint32_t corner(std::uint32_t triangle, std::uint32_t k) const noexcept {
@@ -71,6 +93,9 @@ struct SceneData {
                uvs[corner(triangle, 1) + shift] * u + uvs[corner(triangle, 2) + shift] * v;
     }
 };
+
+/// The largest coordinate, but for its sign, of what is in the scene.
+float reach_of(const SceneData& scene) noexcept;
 
 /// Builds the ray tracer of a scene, which must have none: else it throws Error.
 LIGHTCULL_CORE_EXPORT void make_traceable(SceneData& scene);

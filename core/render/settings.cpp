@@ -11,6 +11,9 @@ namespace lightcull {
 
 void check_committed(const Scene& scene) {
     if (!data_of(scene).ray_tracer) throw Error("scene: commit() must come before rendering");
+    if (data_of(scene).is_moved) {
+        throw Error("scene: it was moved, and refit() must come before rendering");
+    }
 }
 
 void check_settings(const RenderSettings& settings) {

@@ -247,6 +247,9 @@ VirtualLightRenderer::VirtualLightRenderer(std::shared_ptr<const Scene> scene,
     check_virtual_light_options(options);
     check_depth(settings);
     check_for_virtual_lights(data_of(*scene));
+    if (scene->camera().orthographic_height > 0.0f) {
+        throw Error("virtual lights: the camera is orthographic, and their tiles want perspective");
+    }
     if (options.source == VirtualLightSource::kShadowMap) check_shadow_map_sources(data_of(*scene));
     impl_ = std::make_unique<Impl>(std::move(scene), settings, options, std::move(sampler));
 }

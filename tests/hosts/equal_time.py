@@ -89,6 +89,7 @@ def main() -> None:
         "path": {"type": "path"},
         "uniform": {"type": "lightcull_path", "light_sampler": "uniform"},
         "light_bvh": {"type": "lightcull_path", "light_sampler": "light_bvh"},
+        "means": {"type": "lightcull_path", "light_sampler": "light_bvh:importance=means"},
         "culled": {"type": "lightcull_path", "light_sampler": "culled"},
         "learned": {
             "type": "lightcull_path",

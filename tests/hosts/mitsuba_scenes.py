@@ -130,6 +130,12 @@ def many_lamps() -> SceneDict:
     return stage() | {"lamps": quads(centers, 0.02, rgb(9, 8, 6))}
 
 
+def many_lamps_on_metal() -> SceneDict:
+    """The same over polished metal, and a ball of it."""
+    metal = {"type": "roughconductor", "alpha": 0.3}
+    return many_lamps() | stage(bsdf=metal, object_bsdf=metal)
+
+
 def lamps_behind_a_wall() -> SceneDict:
     """300 squares in view, and 600 bright ones that nothing in view is lit by."""
     random = np.random.default_rng(7)

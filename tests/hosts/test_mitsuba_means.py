@@ -45,37 +45,47 @@ def glossy(name: str, **bsdf: Any) -> Kind:
 SCALAR = ("scalar_rgb",)
 """Where LLVM variants would test Mitsuba's own parts again."""
 BOTH_SAMPLERS = ("culled", "learned")
+IN_KERNEL = "light_bvh:importance=means"
+"""In LLVM variants chosen by within the kernel, as by culled and learned among up to 64."""
+BOTH_WAYS = ("culled", "light_bvh")
+"""In LLVM variants within the kernel where there are up to 64 lights, and between kernels."""
 BOTH_SPECTRAL = ("scalar_spectral", "llvm_ad_spectral")
 KINDS = [
     Kind("cornell box", scenes.cornell),
-    Kind("3,000 lamps", scenes.many_lamps, samplers=BOTH_SAMPLERS),
+    Kind("3,000 lamps", scenes.many_lamps, samplers=(*BOTH_SAMPLERS, IN_KERNEL)),
     Kind("textured lamps", scenes.textured_lamps),
     # path itself loses the light that it samples on a mesh with an attribute: it asks for the
     # radiance at a point without a shape.
-    Kind("mesh attribute", scenes.attribute_lamps, reference=scenes.separate_lamps),
+    Kind("mesh attribute", scenes.attribute_lamps, reference=scenes.separate_lamps, samplers=BOTH_WAYS),
     Kind("turned lamps", scenes.turned_lamps),
-    Kind("round lamps", scenes.round_lamps, samplers=BOTH_SAMPLERS),
-    Kind("environment", scenes.environment),
+    Kind("round lamps", scenes.round_lamps, samplers=(*BOTH_SAMPLERS, IN_KERNEL)),
+    Kind("environment", scenes.environment, samplers=BOTH_WAYS),
+    Kind("glossy floor under 3,000 lamps", scenes.many_lamps_on_metal, samplers=("culled", IN_KERNEL)),
     Kind("only an environment", scenes.sky_only),
-    Kind("points and spots", scenes.points_and_spots),
+    Kind("points and spots", scenes.points_and_spots, samplers=BOTH_WAYS),
     Kind("directional", scenes.directional),
-    Kind("suns and lamps", scenes.suns_and_lamps, samplers=BOTH_SAMPLERS),
+    Kind("suns and lamps", scenes.suns_and_lamps, samplers=(*BOTH_SAMPLERS, "light_bvh")),
     Kind("spectral suns", scenes.directional, variants=BOTH_SPECTRAL),
     glossy("roughconductor", alpha=0.3),
-    Kind("panels", scenes.panels),
+    Kind("panels", scenes.panels, samplers=BOTH_WAYS),
     glossy("roughplastic", alpha=0.1),
     glossy("principled", metallic=0.3, roughness=0.3, clearcoat=0.5),
     Kind("glass", scenes.glass, options={"max_depth": 6}, variants=SCALAR),
     Kind("rough glass", scenes.rough_glass, options={"max_depth": 6}),
-    Kind("mask and null", scenes.see_through, options={"max_depth": 6}, twin=1.2, samplers=BOTH_SAMPLERS),
+    Kind("mask and null", scenes.see_through, options={"max_depth": 6}, twin=1.2, samplers=BOTH_WAYS),
     Kind("normal map and blend", scenes.bumpy, variants=SCALAR),
-    Kind("hidden emitters", scenes.lamps_in_view, options={"max_depth": 3, "hide_emitters": True}),
+    Kind(
+        "hidden emitters",
+        scenes.lamps_in_view,
+        options={"max_depth": 3, "hide_emitters": True},
+        samplers=BOTH_WAYS,
+    ),
     Kind("shown emitters", scenes.lamps_in_view, options={"max_depth": 1}, spp=16),
     Kind("depth 2", scenes.round_lamps, options={"max_depth": 2}, variants=SCALAR),
-    Kind("depth 5, early roulette", scenes.environment, options={"max_depth": 5, "rr_depth": 2}),
+    Kind("depth 5, early roulette", scenes.environment, options={"max_depth": 5, "rr_depth": 2}, samplers=BOTH_WAYS),
     Kind("any depth", scenes.environment, options={}, spp=32),
-    Kind("film options", scenes.film_options),
-    Kind("spectral", scenes.environment, variants=BOTH_SPECTRAL),
+    Kind("film options", scenes.film_options, samplers=BOTH_WAYS),
+    Kind("spectral", scenes.environment, variants=BOTH_SPECTRAL, samplers=BOTH_WAYS),
     Kind("spectral points", scenes.points_and_spots, variants=BOTH_SPECTRAL),
 ]
 

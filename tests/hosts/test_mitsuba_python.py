@@ -127,6 +127,7 @@ def test_a_crop_window_is_scaled_with_its_film() -> None:
         (scenes.attribute_lamps, 3),
         (scenes.textured_lamps, 3),
         (scenes.environment, 3),
+        (scenes.round_lamps, 3),
         (scenes.suns_and_lamps, 3),
     ],
 )
@@ -146,7 +147,7 @@ def test_an_import_names_what_it_leaves_out() -> None:
     with pytest.warns(lightcull.UnsupportedWarning) as record:
         lightcull.mitsuba.import_scene(mi.load_dict(scenes.round_lamps() | scenes.glass()))
     message = str(record[0].message)
-    for thing in ("Sphere", "Disk", "Cylinder", "ThinDielectric"):
+    for thing in ("ThinDielectric", "round shapes are made of triangles"):
         assert thing in message
     assert record[0].filename == __file__
 
@@ -167,8 +168,7 @@ def test_an_import_names_what_it_leaves_out_of_things_it_knows() -> None:
     message = str(record[0].message)
     for thing in ("clearcoat", "spec_trans", "other material on the back", "medium"):
         assert thing in message
-    for thing in ("crop window", "sensor after the first"):
-        assert thing in message
+    assert "crop window" in message
 
 
 def command(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:

@@ -53,7 +53,7 @@ def variant(request: pytest.FixtureRequest) -> str:
     return request.param
 
 
-@pytest.mark.parametrize("light_sampler", ["culled", "learned"])
+@pytest.mark.parametrize("light_sampler", ["culled", "learned", "light_bvh"])
 def test_equal_seeds_give_equal_images(variant: str, light_sampler: str) -> None:
     scene = mi.load_dict(scenes.environment())
     integrator = new_integrator(light_sampler=light_sampler)
@@ -97,7 +97,9 @@ EDITS: dict[str, Callable[[Any], None]] = {
 def test_an_edited_scene_renders_as_a_new_one(
     variant: str, name: str, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    mesh = scenes.quads(np.float32([[-1, 2.5, 1], [1, 2.5, -1]]), 0.3, scenes.rgb(3, 5, 9))
+    """With more lights than `learned` has chosen among in a kernel."""
+    centers = np.random.default_rng(3).uniform((-2, 2.4, -1), (2, 2.9, 2), (40, 3))
+    mesh = scenes.quads(centers.astype(np.float32), 0.1, scenes.rgb(3, 5, 9))
     scene = mi.load_dict(scenes.stage() | scenes.lamps(3) | {"lamps": mesh})
     integrator = new_integrator()
     before = render(scene, integrator, seed=1)
@@ -107,6 +109,20 @@ def test_an_edited_scene_renders_as_a_new_one(
         EDITS[name](scene)
         edited = render(scene, integrator, seed=1)
         assert SERVES_AGAIN not in "".join(capfd.readouterr())
+    assert edited.shape != before.shape or not np.allclose(edited, before, rtol=1e-3)
+    assert_equal(edited, render(scene, seed=1))
+
+
+@pytest.mark.parametrize("name", EDITS)
+def test_an_edited_scene_of_few_lights_renders_as_a_new_one(name: str) -> None:
+    """In a kernel."""
+    mi.set_variant("llvm_ad_rgb")
+    mesh = scenes.quads(np.float32([[0, 2.7, 0]]), 0.3, scenes.rgb(3, 5, 9))
+    scene = mi.load_dict(scenes.stage() | scenes.lamps(3) | {"lamps": mesh})
+    integrator = new_integrator()
+    before = render(scene, integrator, seed=1)
+    EDITS[name](scene)
+    edited = render(scene, integrator, seed=1)
     assert edited.shape != before.shape or not np.allclose(edited, before, rtol=1e-3)
     assert_equal(edited, render(scene, seed=1))
 
@@ -132,12 +148,18 @@ def render_at_once(
     return [together[i] for i in range(len(loaded))]
 
 
+@pytest.mark.parametrize("light_sampler", ["learned", "light_bvh"])
 @pytest.mark.parametrize("share", [False, True], ids=["own integrators", "one integrator"])
-def test_renders_from_several_threads(variant: str, share: bool) -> None:
+def test_renders_from_several_threads(variant: str, share: bool, light_sampler: str) -> None:
     """Each of a scene of its own: Mitsuba has but one film and one sampler in a scene."""
-    integrators = 3 * [new_integrator()] if share else [new_integrator() for _ in range(3)]
+    options = {"light_sampler": light_sampler}
+    integrators = (
+        3 * [new_integrator(**options)] if share else [new_integrator(**options) for _ in range(3)]
+    )
     loaded = [mi.load_dict(scenes.environment()) for _ in range(3)]
-    alone = [render(scene, seed=i) for i, scene in enumerate(loaded)]
+    alone = [
+        render(scene, new_integrator(**options), seed=i) for i, scene in enumerate(loaded)
+    ]
     for _ in range(5):
         for i, image in enumerate(render_at_once(loaded, integrators, variant)):
             assert_equal(image, alone[i])

@@ -242,9 +242,9 @@ def only_line(text: str) -> str:
             "a.exr: cannot write: an image of 1 x 0",
         ),
         (
-            lambda: lightcull.apply_view(np.broadcast_to(ONE[0], (2**16, 2**16, 3))),
+            lambda: lightcull.apply_view(np.broadcast_to(np.float64(1), (2**16, 2**16, 4))),
             TypeError,
-            "not C-contiguous",
+            "wanted an array of shape (N, M, 3)",
         ),
     ],
 )

@@ -199,7 +199,7 @@ def test_scenes_by_default_are_the_examples_and_the_series(
     main_here: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     made = []
-    monkeypatch.setattr(bench_scenes, "example_scene", lambda name: made.append((name, None)))
+    monkeypatch.setattr(bench_scenes, "open_scene", lambda name, **_: made.append((name, None)))
     monkeypatch.setattr(scenes, "build", lambda name, lights: made.append((name, lights)))
     monkeypatch.setattr(bench_command, "_bench", lambda *arguments: None)
     assert main_here("bench").returncode == 0

@@ -28,7 +28,7 @@ def in_white(file: GltfFile, path: Path) -> np.ndarray:
     """The mean of the picture's middle in white surroundings: the albedo of what is diffuse."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        scene = lightcull.load(file.write(path))
+        scene = lightcull.load(file.write(path), environment=(1, 1, 1))
     return look(scene, max_depth=2, spp=128)[5:11, 5:11].mean((0, 1))
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import struct
 import warnings
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,10 +19,10 @@ UVS = "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
 FACE = "usemtl a\nf 1/1 2/2 3/3 4/4\n"
 
 
-def load(path: Path) -> lightcull.Scene:
+def load(path: Path, **options: Any) -> lightcull.Scene:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", lightcull.UnsupportedWarning)
-        return lightcull.load(path)
+        return lightcull.load(path, **options)
 
 
 def emitted(path: Path) -> np.ndarray:
@@ -127,7 +128,7 @@ def test_materials_that_no_library_has_are_named(tmp_path: Path) -> None:
 def test_without_materials_all_is_grey_with_texture_coordinates_or_not(tmp_path: Path) -> None:
     digests = set()
     for text in (CORNERS + "f 1 2 3 4\n", CORNERS + UVS + "f 1/1 2/2 3/3 4/4\n"):
-        scene = load(obj(tmp_path, "", text))
+        scene = load(obj(tmp_path, "", text), environment=(1, 1, 1))
         scene.set_camera((0, 0, 2), (0, 0, 0), vertical_fov=1.0)
         image = look(scene, max_depth=2, spp=256)
         assert image[5:11, 5:11].mean() == pytest.approx(0.5, rel=0.02)
@@ -147,7 +148,7 @@ def test_colours_of_vertices_of_an_obj(tmp_path: Path) -> None:
     text = CORNERS.replace(" 0\n", " 0 0.8 0.4 0.2\n") + "f 1 2 3 4\n"
     path = obj(tmp_path, "", text)
     assert "left out" not in warning_of(path)
-    scene = load(path)
+    scene = load(path, environment=(1, 1, 1))
     scene.set_camera((0, 0, 2), (0, 0, 0), vertical_fov=1.0)
     color = look(scene, max_depth=2, spp=128)[5:11, 5:11].mean((0, 1))
     np.testing.assert_allclose(color, [0.8, 0.4, 0.2], rtol=0.02)
@@ -262,7 +263,7 @@ def test_ply_with_colours_normals_and_a_texture(tmp_path: Path) -> None:
     path = tmp_path / "a.ply"
     path.write_text(header + face + rows + "4 0 1 2 3\n")
     assert "left out" not in warning_of(path)
-    scene = load(path)
+    scene = load(path, environment=(1, 1, 1))
     scene.set_camera((0, 0, 2), (0, 0, 0), vertical_fov=1.0)
     image = look(scene, max_depth=2, spp=256)
     # 188 of sRGB is 0.503.

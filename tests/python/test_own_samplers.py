@@ -183,9 +183,10 @@ def build_library(folder: Path, source: Path) -> Path:
     """The example in C++, as the comment in it says to build it; or another source."""
     path = folder / "libmine.so"
     (line,) = re.findall(r"^/// +(c\+\+ .*)$", SOURCE.read_text(), re.M)
-    command = line.replace("libmine.so", str(path)).replace("examples/own_sampler.cpp", str(source))
+    files = {"libmine.so": str(path), "examples/own_sampler.cpp": str(source)}
+    command = [files.get(word, word) for word in line.split()]
     built = subprocess.run(
-        [*command.split(), "-Wall", "-Wextra", "-Werror"], cwd=ROOT, capture_output=True, text=True
+        [*command, "-Wall", "-Wextra", "-Werror"], cwd=ROOT, capture_output=True, text=True
     )
     assert built.returncode == 0, built.stderr
     return path

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import warnings
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -40,10 +41,10 @@ def write(folder: Path, *prims: str, metadata: str = "") -> Path:
     return path
 
 
-def load(path: Path) -> lightcull.Scene:
+def load(path: Path, **options: Any) -> lightcull.Scene:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", lightcull.UnsupportedWarning)
-        return lightcull.load(path)
+        return lightcull.load(path, **options)
 
 
 def light(kind: str, values: str, *, height: float = 3.0, apis: str = "") -> str:
@@ -87,8 +88,8 @@ def irradiance(folder: Path, *prims: str) -> float:
                "float inputs:intensity = 500", height=30), 2 * 0.5 * 500 / 900),
         (light("DistantLight", "float inputs:intensity = 3\nfloat inputs:angle = 2\nbool inputs:normalize = 1"),
          3.0),
-        (light("DistantLight", "float inputs:intensity = 3\nfloat inputs:angle = 2"),
-         3.0 * math.pi * math.sin(math.radians(1)) ** 2),
+        (light("DistantLight", "float inputs:intensity = 300\nfloat inputs:angle = 2"),
+         300.0 * math.pi * math.sin(math.radians(1)) ** 2),
         (light("DistantLight", "float inputs:intensity = 3\nfloat inputs:angle = 0"), 3.0),
         (light("DomeLight", "float inputs:intensity = 0.7"), 0.7 * math.pi),
     ],
@@ -157,6 +158,24 @@ def test_units_up_axis_and_the_camera(tmp_path: Path) -> None:
     away = np.subtract(scene.camera.target, scene.camera.origin)
     np.testing.assert_allclose(away / away[2], [0, 0.25, 1], atol=1e-5)
     assert scene.camera.vertical_fov == pytest.approx(2 * math.atan(0.005), rel=1e-5)
+
+
+def test_cameras_are_chosen_by_their_names(tmp_path: Path) -> None:
+    flat = (
+        'def Camera "flat" {\n    token projection = "orthographic"\n    float verticalAperture = 50\n'
+        "    double3 xformOp:translate = (0, 40, 0)\n    float xformOp:rotateX = -90\n"
+        '    uniform token[] xformOpOrder = ["xformOp:translate", "xformOp:rotateX"]\n}\n'
+    )
+    path = tmp_path / "a.usda"
+    path.write_text("#usda 1.0\n(\nmetersPerUnit = 0.1\n)\n" + FLOOR + CAMERA + flat)
+    scene = load(path)
+    assert [camera.name for camera in scene.cameras] == ["camera", "flat"]
+    assert scene.camera == scene.cameras[0]
+    scene = load(path, camera="flat")
+    # An aperture of 50 is 5 units of the stage, each of 0.1 m.
+    assert scene.camera.orthographic_height == pytest.approx(0.5)
+    np.testing.assert_allclose(scene.camera.origin, [0, 4, 0], atol=1e-6)
+    np.testing.assert_allclose(scene.camera.target, [0, 3, 0], atol=1e-6)
 
 
 def material(name: str, inputs: str, extra: str = "") -> str:
@@ -262,7 +281,9 @@ def test_opacity_is_a_cut_out(tmp_path: Path) -> None:
 def test_display_colours_and_orientation(tmp_path: Path) -> None:
     values = 'color3f[] primvars:displayColor = [(0.8, 0.4, 0.2)] (interpolation = "constant")'
     image = seen_from_the_front(
-        load(write(tmp_path, SQUARE.format(values=values))), max_depth=2, spp=256
+        load(write(tmp_path, SQUARE.format(values=values)), environment=(1, 1, 1)),
+        max_depth=2,
+        spp=256,
     )
     np.testing.assert_allclose(image[5:11, 5:11].mean((0, 1)), [0.8, 0.4, 0.2], rtol=0.02)
     glow = material("glow", "color3f inputs:emissiveColor = (1, 1, 1)")

@@ -8,6 +8,7 @@ import re
 
 from .._core import Error, instruction_sets
 from ..checks import MOST_32_BITS, MOST_64_BITS, MOST_PIXELS
+from ..peers.subject import is_peer
 from ..rendering.method import check_method
 from ..report import METRICS
 from ..sampler import check_description
@@ -99,7 +100,38 @@ def metric_list(text: str) -> list[str]:
 
 
 def sampler_list(text: str) -> list[str]:
-    return [sampler(description) for description in text.split(",")]
+    """Samplers, and renderers beside ours: whether those are there is known later."""
+    return [
+        description if is_peer(description) else sampler(description)
+        for description in text.split(",")
+    ]
+
+
+def vector(text: str) -> tuple[float, float, float]:
+    """Three numbers between commas."""
+    try:
+        x, y, z = (float(part) for part in text.split(","))
+    except ValueError:
+        x = y = z = math.nan
+    if not all(math.isfinite(value) for value in (x, y, z)):
+        raise argparse.ArgumentTypeError(f"wanted three numbers such as 1,2,0.5, got {text!r}")
+    return x, y, z
+
+
+def field_of_view(text: str) -> float:
+    """Degrees."""
+    value = positive(text)
+    if value >= 180:
+        raise argparse.ArgumentTypeError(f"wanted degrees below 180, got {text!r}")
+    return value
+
+
+def definition(text: str) -> tuple[str, str]:
+    """A name and its value."""
+    name, equals, value = text.partition("=")
+    if not name or not equals:
+        raise argparse.ArgumentTypeError(f"wanted NAME=VALUE, got {text!r}")
+    return name, value
 
 
 def thread_counts(text: str) -> list[int]:

@@ -7,9 +7,10 @@ from functools import partial
 from typing import TypeAlias
 
 from .. import scenes
-from ..loaders import example_scene, open_scene
+from ..loaders import open_scene
 from ..scene import Scene
 from ..scenes.lanterns import LIGHTS
+from .view_option import Look
 
 SERIES = "series"
 SERIES_LIGHTS = (1_000, 10_000, LIGHTS, 250_000, 1_000_000)
@@ -17,9 +18,9 @@ SERIES_LIGHTS = (1_000, 10_000, LIGHTS, 250_000, 1_000_000)
 SceneMaker: TypeAlias = Callable[[], Scene]
 
 
-def scene_makers(names: Sequence[str]) -> list[SceneMaker]:
+def scene_makers(names: Sequence[str], look: Look) -> list[SceneMaker]:
     """What makes the scenes of these names (none: all examples and the series), each once. Files are
-    read at once, so that errors come at once.
+    read at once, so that errors come at once. look: of files and examples.
     """
     makers: dict[tuple[str, int], SceneMaker] = {}
     for name in names or [*scenes.NAMES, SERIES]:
@@ -29,9 +30,9 @@ def scene_makers(names: Sequence[str]) -> list[SceneMaker]:
                 makers[("lanterns", lights)] = make
         elif name in scenes.NAMES:
             lights = LIGHTS if name == "lanterns" else 0
-            makers[(name, lights)] = partial(example_scene, name)
+            makers[(name, lights)] = partial(open_scene, name, **look)
         else:
-            makers[(name, 0)] = partial(_same, open_scene(name))
+            makers[(name, 0)] = partial(_same, open_scene(name, **look))
     return list(makers.values())
 
 

@@ -40,6 +40,8 @@ examples:
   lightcull render lanterns -o lanterns.exr               10 seconds, linear radiance
   lightcull render city -o city.png --size 640x360        a picture to look at
   lightcull render room.glb -o room.exr --max-depth 6 --spp 256
+  lightcull render car.glb -o car.png --camera-from 4,2,6 --fov 30 --environment sky.exr
+  lightcull render scene.xml -o scene.exr -D max_depth=8 --camera front
   lightcull render cornell -o a.exr --sampler uniform --spp 16 --seed 7
   lightcull render cornell -o b.exr --method vpl_culled:lights=16384 --spp 8
   lightcull render cornell -o c.exr --virtual-lights 16384 --sampler light_bvh
@@ -74,6 +76,7 @@ examples:
   lightcull compare city --samplers light_bvh,culled,learned -o report-city
   lightcull compare cornell --samplers culled:sets=16,culled:sets=64 --spp 64
   lightcull compare --host mitsuba scene.xml --samplers path,learned
+  lightcull compare lanterns --samplers learned,cycles,cycles:light_tree=off
   lightcull compare cornell --methods path,vpl_culled,vpl_clamped,vpl_grid -o report-methods
 
 Builds and refits count as render time. The samplers take turns, so that a noisy machine is fair to
@@ -83,6 +86,10 @@ on surfaces; the error of lamps that the camera sees directly, which is the same
 beside. A reference is rendered first, for 8 times as long, by learned with seeds of its own, and kept
 in ~/.cache/lightcull; its noise is taken off the errors. The folder gets index.html, report.json,
 report.csv and the images.
+
+cycles and pbrt, among the samplers, are other renderers, by equal time of processors: Cycles where
+Python has Blender's module bpy (or one that LIGHTCULL_BPY_PYTHON names), with its light tree or with
+light_tree=off; pbrt-v4 where its program is on the path.
 
 With --methods each method renders for --seconds, and then virtual lights are counted and timed from
 1,024 light paths to --most-lights: stochastic tiled lighting against constant ranges, spheroids
@@ -136,7 +143,7 @@ beside a closed form or an exhaustive answer, what rounding in single precision 
 how many of the instruction sets pass, the scalar path among them. It ends with a line `N passed, 0
 failed`; the exit code is 1 if any fails.
 
---noise: 60 situations of few lights, each with a closed form or a sum in double precision. Of each the
+--noise: 63 situations of few lights, each with a closed form or a sum in double precision. Of each the
 table has the variance of a sample of learned, over the square of its mean, on average over 48x48 pixels
 and 64 passes; that of the best of uniform, power, light_bvh, light_bvh:importance=means and exhaustive;
 the ratio of the two, variances below 0.001 being all alike (0.4 % of a pixel after 64 samples); and how

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 from rich.console import Console
 from rich.table import Table
+from rich.text import Text
 
 from .. import _core, memory
 from .._core import Error
@@ -17,12 +18,16 @@ from ..rendering.settings import RenderSettings
 from ..rendering.subject import OwnSubject
 from ..rendering.virtual_light_job import VirtualLightJob
 from ..scene import Scene
+from .mitsuba_facts import camera_text, facts_of_mitsuba, vector
 from .options import InfoOptions
 
 
 def run(options: InfoOptions, messages: Console) -> bool:
     """Prints what is in a scene, what memory a render of it takes, and the devices there are."""
     scene, settings, by_paths = options.scene, options.settings, options.method == PATH
+    if not isinstance(scene, Scene):
+        _print(facts_of_mitsuba(scene))
+        return True
     sampler = options.sampler or OwnSubject(scene).best_sampler
     # Before anything else takes memory that a render does not.
     job = (
@@ -33,11 +38,15 @@ def run(options: InfoOptions, messages: Console) -> bool:
     need = memory_need(job, settings.size)
     ways = sampler if by_paths else f"{sampler} and {options.method}"
     memory_fact = ("memory", _memory(need, ways, settings))
-    table = Table(show_header=False, box=None)
-    for name, value in (*_facts(scene), memory_fact, *_devices()):
-        table.add_row(name, value)
-    Console(highlight=False).print(table)
+    _print((*_facts(scene), memory_fact, *_devices()))
     return True
+
+
+def _print(facts: Iterable[tuple[str, str]]) -> None:
+    table = Table(show_header=False, box=None)
+    for name, value in facts:
+        table.add_row(name, Text(value))
+    Console(highlight=False).print(table)
 
 
 def _devices() -> Iterator[tuple[str, str]]:
@@ -100,14 +109,7 @@ def _facts(scene: Scene) -> Iterator[tuple[str, str]]:
             yield name, f"{low:.3g} to {high:.3g} {unit}, median {middle:.3g}"
     yield "environment", "yes" if scene.has_environment else "no"
     if bounds is not None:
-        yield "bounds", f"{_vector(bounds[0])} to {_vector(bounds[1])} m"
-    camera = scene.camera
-    yield (
-        "camera",
-        f"at {_vector(camera.origin)}, towards {_vector(camera.target)}, "
-        f"{np.degrees(camera.vertical_fov):.0f} degrees high",
-    )
-
-
-def _vector(values: Sequence[float] | np.ndarray) -> str:
-    return "(" + ", ".join(f"{value:.4g}" for value in values) + ")"
+        yield "bounds", f"{vector(bounds[0])} to {vector(bounds[1])} m"
+    yield "camera", camera_text(scene.camera)
+    for number, camera in enumerate(scene.cameras):
+        yield f"camera {number}", f"{camera.name!r}, {camera_text(camera)}"

@@ -19,10 +19,11 @@ from ..images import apply_view, check_format, read_image
 from ..methods.studies import MOST_LIGHTS
 from ..output_files import check_output, check_writable
 from ..rendering.method import PATH
-from ..rendering.settings import RR_DEPTH, RenderSettings
+from ..rendering.settings import MAX_DEPTH, RenderSettings, settings_of
 from ..scene import Scene
 from .bench_scenes import SceneMaker, scene_makers
-from .scene_option import BOUNCED_DEPTH, MAX_DEPTH, SIZE, AnyScene, open_any, open_ours
+from .scene_option import BOUNCED_DEPTH, AnyScene, open_any
+from .view_option import look_of
 
 
 @dataclass(frozen=True)
@@ -93,7 +94,7 @@ class CompareMethodsOptions:
 class InfoOptions:
     """What is asked about: a scene, and a render of it that is only set up."""
 
-    scene: Scene
+    scene: AnyScene
     sampler: str | None
     method: str
     settings: RenderSettings
@@ -144,7 +145,8 @@ def _render(parsed: argparse.Namespace, command: str) -> RenderOptions:
     _check_image_output(output, parsed)
     if parsed.every is not None and parsed.checkpoint is None and parsed.resume is None:
         raise Error("--every: only with --checkpoint or --resume")
-    scene, size, max_depth = open_any(parsed, _default_depth(parsed.method))
+    scene = open_any(parsed)
+    size, max_depth, rr_depth = _settings(scene, parsed, _default_depth(parsed.method))
     return RenderOptions(
         scene=scene,
         sampler=parsed.sampler,
@@ -155,7 +157,7 @@ def _render(parsed: argparse.Namespace, command: str) -> RenderOptions:
         max_depth=max_depth,
         seed=parsed.seed,
         threads=parsed.threads,
-        rr_depth=parsed.rr_depth or RR_DEPTH,
+        rr_depth=rr_depth,
         direct_light=parsed.direct_light or "mis",
         output=output,
         view=parsed.view,
@@ -183,7 +185,8 @@ def _compare(parsed: argparse.Namespace, command: str) -> CompareOptions | Compa
     if parsed.most_lights is not None:
         raise Error("--most-lights: only with --methods")
     folder = _report_folder(parsed)
-    scene, size, max_depth = open_any(parsed, MAX_DEPTH)
+    scene = open_any(parsed)
+    size, max_depth, rr_depth = _settings(scene, parsed, MAX_DEPTH)
     return CompareOptions(
         scene=scene,
         samplers=parsed.samplers and tuple(parsed.samplers),
@@ -193,7 +196,7 @@ def _compare(parsed: argparse.Namespace, command: str) -> CompareOptions | Compa
         max_depth=max_depth,
         seed=parsed.seed,
         threads=parsed.threads,
-        rr_depth=parsed.rr_depth or RR_DEPTH,
+        rr_depth=rr_depth,
         direct_light=parsed.direct_light or "mis",
         reference_seconds=parsed.reference_seconds,
         repeats=parsed.repeats or 1,
@@ -225,7 +228,8 @@ def _compare_methods(parsed: argparse.Namespace, command: str) -> CompareMethods
     for name in _OF_SAMPLERS:
         if getattr(parsed, name) is not None:
             raise Error(f"--{name.replace('_', '-')}: not with --methods")
-    scene, size, max_depth = open_any(parsed, BOUNCED_DEPTH)
+    scene = open_any(parsed)
+    size, max_depth, _ = _settings(scene, parsed, BOUNCED_DEPTH)
     if not isinstance(scene, Scene):
         raise Error("--methods: not for a scene of another renderer")
     return CompareMethodsOptions(
@@ -254,15 +258,20 @@ def _report_folder(parsed: argparse.Namespace) -> Path:
 
 
 def _info(parsed: argparse.Namespace, command: str) -> InfoOptions:
-    depth = parsed.max_depth or _default_depth(parsed.method)
-    settings = RenderSettings(parsed.size or SIZE, depth, seed=0, threads=0)
-    return InfoOptions(open_ours(parsed), parsed.sampler, parsed.method, settings)
+    scene = open_any(parsed)
+    size, depth, rr_depth = settings_of(
+        scene, parsed.size, parsed.max_depth, None, _default_depth(parsed.method)
+    )
+    if not isinstance(scene, Scene) and (parsed.sampler or parsed.method != PATH):
+        raise Error(f"{parsed.scene}: --sampler and --method are not for an .xml scene of Mitsuba's")
+    settings = RenderSettings(size, depth, seed=0, threads=0, rr_depth=rr_depth)
+    return InfoOptions(scene, parsed.sampler, parsed.method, settings)
 
 
 def _bench(parsed: argparse.Namespace, command: str) -> BenchOptions:
     return BenchOptions(
         json=_json_file(parsed),
-        scenes=tuple(scene_makers(parsed.scenes)),
+        scenes=tuple(scene_makers(parsed.scenes, look_of(parsed))),
         samplers=tuple(parsed.samplers or bench.DEFAULT_SAMPLERS),
         size=parsed.size,
         threads=tuple(parsed.threads),
@@ -285,6 +294,12 @@ def _json_file(parsed: argparse.Namespace) -> Path | None:
 def _seconds(parsed: argparse.Namespace) -> float | None:
     """The render time; None where samples per pixel are given instead."""
     return None if parsed.spp is not None else parsed.seconds or parsed.default_seconds
+
+
+def _settings(
+    scene: AnyScene, parsed: argparse.Namespace, default_depth: int
+) -> tuple[tuple[int, int], int, int]:
+    return settings_of(scene, parsed.size, parsed.max_depth, parsed.rr_depth, default_depth)
 
 
 def _default_depth(method: str) -> int:

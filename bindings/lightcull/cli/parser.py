@@ -99,7 +99,9 @@ def make_parser() -> argparse.ArgumentParser:
     _add_scene(info)
     _add_sampler(info)
     _add_method(info)
+    _add_view(info)
     _add_image(info)
+    _add_mitsuba(info)
     selftest = add("selftest", "check hard cases on this machine", texts.SELFTEST)
     selftest.add_argument("--json", metavar="FILE", help="file to write the results to")
     selftest.add_argument(
@@ -122,6 +124,47 @@ def _add_scene(parser: argparse.ArgumentParser) -> None:
         help="unit of the points, spots and suns of a glTF file beside surfaces that emit: candela "
         "and lux, which are divided by 683, as Blender has multiplied them unless told not to, or "
         "watts; default: watts",
+    )  # fmt: skip
+
+
+def _add_view(parser: argparse.ArgumentParser) -> None:
+    """What a scene is seen by, and what surrounds it."""
+    parser.add_argument(
+        "--camera", metavar="NAME", help="camera of the file by name or number, from 0; default: 0"
+    )
+    parser.add_argument(
+        "--camera-from", type=types.vector, metavar="X,Y,Z", help="a camera there instead, metres"
+    )
+    parser.add_argument(
+        "--camera-to", type=types.vector, metavar="X,Y,Z",
+        help="where that looks; default: the middle of the scene",
+    )  # fmt: skip
+    parser.add_argument(
+        "--camera-up", type=types.vector, metavar="X,Y,Z", help="what is up there; default: 0,1,0"
+    )
+    parser.add_argument(
+        "--fov", type=types.field_of_view, metavar="DEGREES",
+        help="angle that the camera sees from bottom to top; default: its own, or 45",
+    )  # fmt: skip
+    parser.add_argument(
+        "--environment", metavar="FILE|COLOUR|studio|none",
+        help="surroundings: an image of latitude and longitude, or a colour: 0.5 or 0.2,0.3,0.5 "
+        "(linear), #336699 (sRGB); default: those of the file, or a studio where it has no light, "
+        "or one that shows little of what the camera sees",
+    )  # fmt: skip
+    parser.add_argument(
+        "--environment-scale", type=types.positive, metavar="S", help="times that; default: 1"
+    )
+
+
+def _add_mitsuba(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--host", choices=["mitsuba"], help="renderer to use; default: mitsuba for an .xml"
+    )
+    parser.add_argument("--variant", help="of Mitsuba, for an .xml alone; default: scalar_rgb")
+    parser.add_argument(
+        "-D", "--define", type=types.definition, action="append", metavar="NAME=VALUE",
+        help="of an .xml alone: value of a parameter $NAME, in place of its default",
     )  # fmt: skip
 
 
@@ -171,6 +214,7 @@ def _add_bench(parser: argparse.ArgumentParser) -> None:
         help="file, name of an example, or series: lanterns with 1,000 to 1,000,000 lights of the "
         "same total power; default: all examples and the series",
     )
+    _add_view(parser)
     _add_samplers(parser, BENCH_SAMPLERS)
     parser.add_argument(
         "--size",
@@ -217,11 +261,9 @@ def _add_shared(
     parser: argparse.ArgumentParser, seconds: float, output: str, output_help: str
 ) -> None:
     _add_scene(parser)
+    _add_view(parser)
     _add_image(parser)
-    parser.add_argument(
-        "--host", choices=["mitsuba"], help="renderer to use; default: mitsuba for an .xml"
-    )
-    parser.add_argument("--variant", help="of Mitsuba, for an .xml alone; default: scalar_rgb")
+    _add_mitsuba(parser)
     budget = parser.add_mutually_exclusive_group()
     budget.add_argument(
         "--seconds", type=types.positive, metavar="S", help=f"render time; default: {seconds:g}"
@@ -233,7 +275,8 @@ def _add_shared(
     parser.add_argument("--seed", type=types.seed, default=0, metavar="N", help="default: 0")
     parser.add_argument(
         "--rr-depth", type=types.from_one, metavar="N",
-        help=f"edges from which Russian roulette may end a path; default: {RR_DEPTH}",
+        help=f"edges from which Russian roulette may end a path; default: {RR_DEPTH}; of an .xml: "
+        "its own",
     )  # fmt: skip
     parser.add_argument(
         "--direct-light", choices=DIRECT_LIGHT,

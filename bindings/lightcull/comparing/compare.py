@@ -13,11 +13,12 @@ import numpy as np
 from .. import checks, machine
 from .._core import Error
 from ..output_files import check_writable
+from ..peers.subject import SubjectWithPeers, is_peer
 from ..rendering.budget import Budget
 from ..rendering.job import SubjectJob
 from ..rendering.own_sampler import SamplerChoice, check_choice
 from ..rendering.progress import Progress, ProgressCallback
-from ..rendering.settings import RR_DEPTH, RenderSettings
+from ..rendering.settings import RenderSettings, settings_of
 from ..rendering.subject import OwnSubject, Subject, subject_of
 from ..report import Comparison, Measure, Metric, Reference, SamplerRun, write
 from ..report.errors import metrics_by_name
@@ -55,11 +56,11 @@ def compare(
     seconds: float | None = None,
     spp: int | None = None,
     repeats: int = 1,
-    size: tuple[int, int] = (320, 240),
-    max_depth: int = 2,
+    size: tuple[int, int] | None = None,
+    max_depth: int | None = None,
     seed: int = 0,
     threads: int = 0,
-    rr_depth: int = RR_DEPTH,
+    rr_depth: int | None = None,
     direct_light: str = "mis",
     reference_seconds: float | None = None,
     mask: np.ndarray | None = None,
@@ -76,9 +77,9 @@ def compare(
     samples per pixel instead. samplers: descriptions as in `LightSampler`; None: uniform, power,
     light_bvh, culled and learned; or by the names under which they are shown descriptions, and
     samplers of one's own: what makes an `OwnSampler` of the scene, as a class does, or a
-    `SamplerLibrary`. scene: a `Subject` for a whole renderer of one's own. size: width and height,
-    pixels. max_depth: longest path, in edges: 2 is direct light. rr_depth, direct_light: as in
-    `render`. threads: 0 for all.
+    `SamplerLibrary`. "cycles", "cycles:light_tree=off" and "pbrt" are other renderers (see below).
+    scene: a `Subject` for a whole renderer of one's own. size, max_depth, rr_depth, direct_light: as
+    in `render`. threads: 0 for all.
 
     repeats: runs of each sampler, with the seeds seed, seed + 1 and so on, each for `seconds`; all
     runs of all samplers take turns side by side, and are in memory at once. From two on there are
@@ -93,6 +94,12 @@ def compare(
     the noise of the reference in them) or as functions of an image and the reference, float32
     (height, width, 3), that give an error map or a number. slices: parts into which the samples of
     each run are kept besides, as raw images, each of an equal share of its time; 0: none.
+
+    Other renderers show the same scene, as far as it maps, against the same reference: "cycles" is
+    Cycles, in a process of its own, where Blender's module bpy can be imported, or a Python that
+    $LIGHTCULL_BPY_PYTHON names can; "pbrt" is pbrt-v4 where its program is on the path. Time is then
+    for all that of processors, over the number of threads, and what it takes those to start and to
+    take over the scene is not counted.
 
     The reference is rendered by `learned` (by `culled` where glossy virtual lights are among the
     lights), with seeds of its own, and kept in $XDG_CACHE_HOME/lightcull (or ~/.cache/lightcull).
@@ -110,7 +117,7 @@ def compare(
     """
     if isinstance(samplers, str):
         raise TypeError(f"samplers: wanted several, got {samplers!r}")
-    subject = subject_of(scene)
+    subject = _subject(scene, samplers)
     if samplers is None:
         samplers = (*DEFAULT_SAMPLERS, subject.best_sampler)
     if not samplers:
@@ -119,6 +126,7 @@ def compare(
     check_names(tuple(choices))
     if folder is not None:
         check_writable(folder)
+    size, max_depth, rr_depth = settings_of(scene, size, max_depth, rr_depth)
     settings = RenderSettings(
         size, max_depth, seed, threads, rr_depth, direct_light, emission_apart=True
     )
@@ -136,6 +144,14 @@ def compare(
     if folder is not None:
         write(result, Path(folder))
     return result
+
+
+def _subject(
+    scene: Scene | Subject, samplers: Sequence[str] | Mapping[str, SamplerChoice] | None
+) -> Subject:
+    chosen = samplers.values() if isinstance(samplers, Mapping) else samplers or ()
+    peers = any(isinstance(sampler, str) and is_peer(sampler) for sampler in chosen)
+    return SubjectWithPeers(scene) if peers and isinstance(scene, Scene) else subject_of(scene)
 
 
 def _choices(

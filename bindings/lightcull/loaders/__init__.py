@@ -15,6 +15,8 @@ import numpy as np
 from .. import checks, scenes
 from .._core import Error
 from ..scene import Scene
+from ..surroundings import AUTO, Environment, is_auto
+from .completion import CameraChoice, choose_camera, complete, surround
 from .gltf import LightUnit, fill_from_gltf
 from .obj import fill_from_obj
 from .ply import fill_from_ply
@@ -35,7 +37,14 @@ _NONSENSE = (ArithmeticError, AttributeError, LookupError, RuntimeError, TypeErr
 """What readers meet in files that follow their format, but say things that cannot be."""
 
 
-def load(path: str | os.PathLike[str], *, gltf_lights: LightUnit | None = None) -> Scene:
+def load(
+    path: str | os.PathLike[str],
+    *,
+    gltf_lights: LightUnit | None = None,
+    environment: Environment = AUTO,
+    environment_scale: float = 1.0,
+    camera: CameraChoice = None,
+) -> Scene:
     """Loads a scene from a file: .glb, .gltf, .obj, .ply or, with usd-core, USD.
 
     core/docs/files.md says what becomes of what such files have. Photometric units of glTF are
@@ -47,8 +56,17 @@ def load(path: str | os.PathLike[str], *, gltf_lights: LightUnit | None = None) 
     surfaces emit, unless its lighting mode was changed. "watts" takes them as they are. None does
     so too, and warns where a file of Blender's has both.
 
-    What is not shown is named in one `UnsupportedWarning`. It also says so if there was no
-    camera (one is placed that sees everything) or no light (the surroundings are made white).
+    environment: what surrounds the scene: an image of latitude and longitude (a path, or float32
+    (H, W, 3)), a colour (three numbers, "0.2,0.3,0.5" or "#336699"), "studio", or "none". "auto" is
+    a studio (grey, with large lamps) where the file has no light, or where less than a tenth of
+    what the camera sees is visible (0.01) by it, else nothing. environment_scale multiplies it.
+
+    camera: one of the file by its name or its number from 0, a `Camera`, or a `View`, which is what
+    is said of one; None: the file's first.
+    Where there is none, one is placed that sees everything, or across the room if it is a room; if
+    that has walls all around and no light, it has a lamp.
+
+    What is not shown is named in one `UnsupportedWarning`, and so is what was made up.
     """
     path = Path(checks.path("path", path))
     fill = _LOADERS.get(path.suffix.lower())
@@ -72,7 +90,10 @@ def load(path: str | os.PathLike[str], *, gltf_lights: LightUnit | None = None) 
     if scene.triangle_count == 0:
         left_out = notes.left_out_text()
         raise Error(f"{path}: holds no triangles" + (f"; {left_out}" if left_out else ""))
-    _complete(scene, notes)
+    try:
+        complete(scene, notes, environment, environment_scale, camera)
+    except Error as error:
+        raise Error(f"{path}: {' '.join(str(error).split())[:300]}") from error
     if message := notes.message():
         warnings.warn(f"{path}: {message}", UnsupportedWarning, stacklevel=2)
     return scene
@@ -111,15 +132,29 @@ def example_scene(name: str) -> Scene:
     return scene
 
 
-def open_scene(name_or_path: str, *, gltf_lights: LightUnit | None = None) -> Scene:
+def open_scene(
+    name_or_path: str,
+    *,
+    gltf_lights: LightUnit | None = None,
+    environment: Environment = AUTO,
+    environment_scale: float = 1.0,
+    camera: CameraChoice = None,
+) -> Scene:
     """An example scene by its name, else a scene from a file, as `load` makes it."""
     if name_or_path in scenes.NAMES:
         if gltf_lights is not None:
             raise Error(f"{name_or_path}: gltf_lights is for a .glb or .gltf")
-        return example_scene(name_or_path)
+        scene = example_scene(name_or_path)
+        choose_camera(scene, camera)
+        if not is_auto(environment):
+            surround(scene, environment, environment_scale)
+        return scene
     path = Path(checks.path("scene", name_or_path))
     if os.path.exists(name_or_path) or path.suffix.lower() in _LOADERS:
-        return load(name_or_path, gltf_lights=gltf_lights)
+        return load(
+            name_or_path, gltf_lights=gltf_lights, environment=environment,
+            environment_scale=environment_scale, camera=camera,
+        )  # fmt: skip
     raise Error(
         f"{name_or_path!r} is neither a file nor an example scene"
         f"{_did_you_mean(name_or_path)}; {_there_are()}"
@@ -133,24 +168,3 @@ def _did_you_mean(name: str) -> str:
 
 def _there_are() -> str:
     return f"there are {', '.join(scenes.NAMES)}"
-
-
-def _complete(scene: Scene, notes: Notes) -> None:
-    """Gives a scene the camera and the light that its file does not have."""
-    if not notes.has_camera:
-        notes.remark("no camera: one is placed that sees everything")
-        _place_camera(scene)
-    if not notes.has_light:
-        notes.remark("no light: the surroundings are made white")
-        scene.set_environment((1.0, 1.0, 1.0))
-
-
-def _place_camera(scene: Scene) -> None:
-    bounds = scene.bounds
-    assert bounds is not None
-    center = bounds.mean(axis=0)
-    radius = max(float(np.linalg.norm(bounds[1] - bounds[0])) / 2, 1e-3)
-    direction = np.array([0.5, 0.4, 1.0]) / np.linalg.norm([0.5, 0.4, 1.0])
-    fov = 0.8
-    distance = radius / np.sin(fov / 2)
-    scene.set_camera(center + distance * direction, center, (0.0, 1.0, 0.0), fov)

@@ -10,6 +10,7 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
+from ..camera import Camera, triple
 from ..scene import Scene
 from .files import Neighbours
 from .gltf_data import GltfData
@@ -51,7 +52,7 @@ def _fill(
     punctual = False
     for _, node, transform in nodes:
         punctual |= _add_light(document, node, transform, factor, scene, notes)
-        _set_camera(document, node, transform, scene, notes)
+        _add_camera(document, node, transform, scene, notes)
     if unit is None and punctual and meshes.materials.emit and _is_of_blender(document):
         notes.remark(
             f"written by Blender, whose points, spots and suns are {LUMENS_PER_WATT:g} times as "
@@ -123,19 +124,25 @@ def _add_light(
     return True
 
 
-def _set_camera(
+def _add_camera(
     document: Json, node: Json, transform: np.ndarray, scene: Scene, notes: Notes
 ) -> None:
     if "camera" not in node:
         return
-    perspective = document["cameras"][node["camera"]].get("perspective")
-    if perspective is None:
-        notes.left_out("orthographic cameras")
-    elif notes.has_camera:
-        notes.left_out("cameras after the first")
+    camera = document["cameras"][node["camera"]]
+    lens: dict[str, float] = {}
+    if "perspective" in camera:
+        lens["vertical_fov"] = float(camera["perspective"]["yfov"])
     else:
-        notes.has_camera = True
-        origin = transform[:3, 3]
-        scene.set_camera(
-            origin, origin - transform[:3, 2], transform[:3, 1], float(perspective["yfov"])
+        lens["orthographic_height"] = 2.0 * float(camera["orthographic"]["ymag"])
+    origin = transform[:3, 3]
+    notes.has_camera = True
+    scene.add_camera(
+        Camera(
+            triple(origin),
+            triple(origin - transform[:3, 2]),
+            triple(transform[:3, 1]),
+            **lens,
+            name=str(node.get("name") or camera.get("name") or ""),
         )
+    )

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from .._core import Error
+from ..camera import Camera, triple
 from ..scene import Scene
 from .unsupported import Notes
 
@@ -124,27 +125,34 @@ class _Filling:
         if prim.IsA(UsdGeom.Mesh):
             self._meshes.add(prim, matrix)
         elif prim.IsA(UsdGeom.Camera):
-            self._set_camera(prim, matrix)
+            self._add_camera(prim, matrix)
         elif prim.HasAPI(UsdLux.LightAPI) or prim.IsA(UsdLux.NonboundableLightBase):
             self._lights.add(prim, matrix)
         elif prim.GetTypeName() in _GPRIMS:
             self._notes.left_out(f"{prim.GetTypeName()} prims")
 
-    def _set_camera(self, prim: Any, matrix: np.ndarray) -> None:
+    def _add_camera(self, prim: Any, matrix: np.ndarray) -> None:
         from pxr import UsdGeom
 
-        if self._notes.has_camera:
-            self._notes.left_out("cameras after the first")
-            return
         camera = UsdGeom.Camera(prim).GetCamera(self._time)
-        if camera.projection == camera.Orthographic:
-            self._notes.left_out("orthographic cameras")
-            return
-        self._notes.has_camera = True
         origin, away = matrix[:3, 3], matrix[:3, 2]
-        fov = 2.0 * np.arctan(0.5 * camera.verticalAperture / camera.focalLength)
-        self._scene.set_camera(
-            origin, origin - away / np.linalg.norm(away), matrix[:3, 1], float(fov)
+        lens: dict[str, float] = {}
+        if camera.projection == camera.Orthographic:
+            # An aperture is in tenths of the stage's unit, of which the matrix has the metres.
+            height = camera.verticalAperture * camera.APERTURE_UNIT
+            lens["orthographic_height"] = float(height * np.linalg.norm(matrix[:3, 1]))
+        else:
+            fov = 2.0 * np.arctan(0.5 * camera.verticalAperture / camera.focalLength)
+            lens["vertical_fov"] = float(fov)
+        self._notes.has_camera = True
+        self._scene.add_camera(
+            Camera(
+                triple(origin),
+                triple(origin - away / np.linalg.norm(away)),
+                triple(matrix[:3, 1]),
+                **lens,
+                name=str(prim.GetName()),
+            )
         )
 
 

@@ -23,7 +23,8 @@ Importing this raises lightcull.Error if Mitsuba is missing or of another versio
 from .host import mitsuba as _mitsuba
 from .importer import import_scene
 from .merge import merge_emitters
-from .mitsuba_scene import MitsubaScene, load_file
+from .mitsuba_scene import MitsubaScene
+from .scene_file import load_file
 
 __all__ = ["MitsubaScene", "import_scene", "load_file", "merge_emitters"]
 

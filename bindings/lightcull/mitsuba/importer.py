@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 import warnings
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -12,50 +11,52 @@ import numpy as np
 from .._core import Error
 from ..loaders.unsupported import Notes, UnsupportedWarning
 from ..scene import Scene
+from .cameras import camera_of
+from .geometry import Geometry, geometry_of, matrix_of
 from .host import mitsuba
+from .mitsuba_scene import MitsubaScene
 
+_ROUND, _FADING = "round shapes are made of triangles", "spots fade out by another curve"
 _GREY = (0.5, 0.5, 0.5)
 _PRINCIPLED_LEFT_OUT = ("anisotropic", "clearcoat", "flatness", "sheen", "spec_tint", "spec_trans")
 """Parameters of a principled material that ours has not, where they are above 0."""
 
 
-def import_scene(scene: Any, name: str = "scene") -> Scene:
-    """Makes a `lightcull.Scene` of a loaded `mitsuba.Scene`, for this project's own renderer.
+def import_scene(scene: Any, name: str | None = None) -> Scene:
+    """Makes a `lightcull.Scene` of a scene of Mitsuba's, for this project's own renderer.
 
-    An RGB variant must be set. Taken over are meshes and rectangles; diffuse and principled
-    materials, and those two-sided; area emitters with a colour, a texture or a `face_radiance`;
-    points, spots, directional lights, environments; the first sensor. All else is named in one
-    `UnsupportedWarning`; what emits by it is left out, and materials are grey.
+    scene: what `load_file` gave, or a `mitsuba.Scene`, of an RGB variant, which must be set. name:
+    for messages; None: that of the file. What film and integrator say of size and depths holds
+    for `lightcull.render`, too, unless it is told otherwise. Taken over are meshes, rectangles, and
+    spheres, disks and cylinders as triangles; diffuse and principled materials, and those
+    two-sided; area emitters with a colour, a texture or a `face_radiance`; points, spots,
+    directional lights, environments; sensors. All else is named in one `UnsupportedWarning`; what
+    emits by it is left out, and materials are grey.
     """
     if "rgb" not in mitsuba().variant():
         raise Error(f"import_scene: wanted an RGB variant, got {mitsuba().variant()}")
-    return _Import(scene, name).run()
-
-
-@dataclass(frozen=True)
-class _Geometry:
-    """Triangles in world space."""
-
-    positions: np.ndarray
-    indices: np.ndarray
-    normals: np.ndarray | None
-    uvs: np.ndarray | None
+    source = scene if isinstance(scene, MitsubaScene) else MitsubaScene(scene)
+    return _Import(source, source.name if name is None else name).run()
 
 
 class _Import:
     """One import under way."""
 
-    def __init__(self, source: Any, name: str) -> None:
+    def __init__(self, source: MitsubaScene, name: str) -> None:
         self._source = source
         self._scene = Scene(name)
+        self._scene.file_settings = source.file_settings
         self._notes = Notes()
+        if source.integrator.hide_emitters:
+            self._notes.left_out("hide_emitters")
         self._materials: dict[int, int] = {}
+        self._said: set[str] = set()
 
     def run(self) -> Scene:
-        self._add_camera()
-        for shape in self._source.shapes():
+        self._add_cameras()
+        for shape in self._source.scene.shapes():
             self._add_shape(shape)
-        for emitter in self._source.emitters():
+        for emitter in self._source.scene.emitters():
             self._add_emitter(emitter)
         if message := self._notes.message():
             warnings.warn(f"{self._scene.name}: {message}", UnsupportedWarning, stacklevel=3)
@@ -63,47 +64,41 @@ class _Import:
 
     # ---- camera ----------------------------------------------------------------------------------
 
-    def _add_camera(self) -> None:
-        sensors = self._source.sensors()
-        self._notes.left_out("sensor after the first", len(sensors) - 1)
+    def _add_cameras(self) -> None:
+        sensors = self._source.scene.sensors()
         if not sensors:
             self._notes.remark("it has no sensor")
-            return
-        sensor = sensors[0]
-        kind, values = sensor.class_name(), _values(sensor)
-        if kind not in ("PerspectiveCamera", "ThinLensCamera"):
-            self._notes.left_out(f"sensor {kind}")
-            return
-        if list(sensor.film().crop_size()) != list(sensor.film().size()):
-            self._notes.left_out("crop window of the film")
-        offsets = (_number(values.get(f"principal_point_offset_{axis}", 0.0)) for axis in "xy")
-        if any(offsets):
-            self._notes.left_out("offset of the principal point")
-        matrix = _matrix(values["to_world"])
-        width, height = sensor.film().size()
-        half_width = np.tan(np.radians(_number(values["x_fov"])) / 2)
-        lens = {}
-        if kind == "ThinLensCamera":
-            lens = {
-                "aperture_radius": _number(values["aperture_radius"]),
-                "focus_distance": _number(values["focus_distance"]),
-            }
-        self._scene.set_camera(
-            origin=matrix[:3, 3],
-            target=matrix[:3, 3] + matrix[:3, 2],
-            up=matrix[:3, 1],
-            vertical_fov=float(2 * np.arctan(half_width * height / width)),
-            **lens,
-        )
+        for sensor in sensors:
+            camera = camera_of(sensor)
+            if camera is None:
+                self._notes.left_out(f"sensor {sensor.class_name()}")
+                continue
+            if list(sensor.film().crop_size()) != list(sensor.film().size()):
+                self._notes.left_out("crop window of the film")
+            values = _values(sensor)
+            offsets = (_number(values.get(f"principal_point_offset_{a}", 0.0)) for a in "xy")
+            if any(offsets):
+                self._notes.left_out("offset of the principal point")
+            self._scene.add_camera(camera)
+        seen_by = camera_of(self._source.sensor) if sensors else None
+        if seen_by is not None and seen_by.parameters != self._scene.camera.parameters:
+            self._scene.set_camera(*seen_by.parameters)
+
+    def _remark_once(self, text: str) -> None:
+        if text not in self._said:
+            self._said.add(text)
+            self._notes.remark(text)
 
     # ---- shapes ----------------------------------------------------------------------------------
 
     def _add_shape(self, shape: Any) -> None:
-        geometry = _geometry(shape)
+        geometry = geometry_of(shape)
         kind = shape.class_name()
         if geometry is None:
             self._notes.left_out(f"shape {kind}" + (" that emits" if shape.is_emitter() else ""))
             return
+        if geometry.is_round:
+            self._remark_once(_ROUND)
         if shape.interior_medium() or shape.exterior_medium():
             self._notes.left_out("medium")
         material = self._material(shape.bsdf())
@@ -118,7 +113,7 @@ class _Import:
                 geometry.positions, geometry.indices, **arrays, **where, **emission
             )
 
-    def _emission(self, shape: Any, geometry: _Geometry) -> dict[str, Any] | None:
+    def _emission(self, shape: Any, geometry: Geometry) -> dict[str, Any] | None:
         values = _values(shape)
         if shape.emitter().class_name() == "AreaLight":
             if "emitter.radiance.value" in values:
@@ -172,7 +167,7 @@ class _Import:
 
     def _check_texture(self, values: dict[str, Any], name: str) -> None:
         transform = values.get(f"{name}.to_uv")
-        if transform is not None and not np.allclose(_matrix(transform, 3), np.eye(3), atol=1e-5):
+        if transform is not None and not np.allclose(matrix_of(transform, 3), np.eye(3), atol=1e-5):
             self._notes.left_out(f"transform of the texture of {name}")
 
     def _color(self, values: dict[str, Any], name: str) -> dict[str, Any]:
@@ -195,7 +190,7 @@ class _Import:
         elif kind == "SpotLight" and "intensity.value" in values and "texture.value" in values:
             self._add_spot(emitter, values)
         elif kind == "DirectionalEmitter" and "irradiance.value" in values:
-            direction = _matrix(values["to_world"])[:3, 2]
+            direction = matrix_of(values["to_world"])[:3, 2]
             self._scene.add_directional_light(direction, _rgb(values["irradiance.value"]))
         elif kind == "ConstantBackgroundEmitter" and "radiance.value" in values:
             self._scene.set_environment(_rgb(values["radiance.value"]))
@@ -205,52 +200,30 @@ class _Import:
             self._notes.left_out(f"emitter {kind}")
 
     def _add_spot(self, emitter: Any, values: dict[str, Any]) -> None:
-        matrix = _matrix(values["to_world"])
+        matrix = matrix_of(values["to_world"])
         inner, outer = (
             float(re.search(rf"{name} = ([\d.e+-]+)", str(emitter))[1])  # type: ignore[index]
             for name in ("beam_width", "cutoff_angle")
         )
         direction = matrix[:3, 2]
         intensity = _rgb(values["intensity.value"])
-        self._notes.remark("spots fade out by another curve")
+        self._remark_once(_FADING)
         self._scene.add_spot_light(matrix[:3, 3], direction, intensity, inner, outer)
 
     def _add_environment(self, values: dict[str, Any]) -> None:
         # Mitsuba repeats the first column at the end, and has -Z there; ours has it in the middle.
         texels = np.array(values["data"], np.float32)[:, :-1, :3]
         texels = np.ascontiguousarray(np.roll(texels, texels.shape[1] // 2, axis=1))
-        if not np.allclose(_matrix(values["to_world"])[:3, :3], np.eye(3), atol=1e-5):
-            self._notes.left_out("rotation of the environment")
-        self._scene.set_environment(texels, scale=_number(values["scale"]))
+        turn = matrix_of(values["to_world"])[:3, :3]
+        rotation = float(np.arctan2(turn[0, 2], turn[2, 2]))
+        if not np.allclose(turn, _turned_about_y(rotation), atol=1e-5):
+            self._notes.left_out("rotation of the environment that is not about +Y")
+        self._scene.set_environment(texels, _number(values["scale"]), rotation)
 
 
-def _geometry(shape: Any) -> _Geometry | None:
-    """None for a shape without triangles."""
-    values = _values(shape)
-    if shape.class_name() == "Rectangle":
-        return _rectangle(_matrix(values["to_world"]), shape.has_flipped_normals())
-    if "faces" not in values:
-        return None
-    normals = uvs = None
-    if shape.has_vertex_normals():
-        normals = np.array(values["vertex_normals"], np.float32).reshape(-1, 3)
-    if shape.has_vertex_texcoords():
-        uvs = np.array(values["vertex_texcoords"], np.float32).reshape(-1, 2)
-    indices = np.array(values["faces"], np.uint32).reshape(-1, 3)
-    if shape.has_flipped_normals():
-        indices = np.ascontiguousarray(indices[:, ::-1])
-        normals = None if normals is None else -normals
-    positions = np.array(values["vertex_positions"], np.float32).reshape(-1, 3)
-    return _Geometry(positions, indices, normals, uvs)
-
-
-def _rectangle(matrix: np.ndarray, flipped: bool) -> _Geometry:
-    corners = np.array([[-1, -1, 0, 1], [1, -1, 0, 1], [1, 1, 0, 1], [-1, 1, 0, 1]]) @ matrix.T
-    indices = np.array([[0, 1, 2], [0, 2, 3]], np.uint32)
-    if (np.linalg.det(matrix[:3, :3]) < 0) != flipped:
-        indices = np.ascontiguousarray(indices[:, ::-1])
-    uvs = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], np.float32)
-    return _Geometry(np.ascontiguousarray(corners[:, :3], np.float32), indices, None, uvs)
+def _turned_about_y(angle: float) -> np.ndarray:
+    sine, cosine = np.sin(angle), np.cos(angle)
+    return np.array([[cosine, 0, sine], [0, 1, 0], [-sine, 0, cosine]])
 
 
 def _values(thing: Any) -> dict[str, Any]:
@@ -282,8 +255,3 @@ def _rgb(value: Any) -> tuple[float, float, float]:
 
 def _number(value: Any) -> float:
     return float(np.array(value, np.float64).ravel()[0])
-
-
-def _matrix(transform: Any, rows: int = 4) -> np.ndarray:
-    numbers = np.array(transform.matrix, np.float64).reshape(-1)
-    return numbers[: rows * rows].reshape(rows, rows)

@@ -1,38 +1,53 @@
-"""A Mitsuba scene from a file, rendered by Mitsuba: what `lightcull render` and `compare` take."""
+"""A Mitsuba scene, rendered by Mitsuba: what `lightcull render` and `compare` take."""
 
 from __future__ import annotations
 
 import hashlib
 import importlib
 import os
-from pathlib import Path
+import re
 from typing import Any
-from xml.etree import ElementTree
+
+import numpy as np
 
 from .._core import Error
+from ..camera import Camera, View, chosen_camera
+from ..file_settings import FileSettings
+from ..loaders.completion import CameraChoice
 from ..rendering.settings import RenderSettings
+from ..surroundings import Environment, is_auto, texels_of
+from .cameras import camera_of, sensor_of
+from .file_integrator import DIRECT_DEPTH, PATH, FileIntegrator
 from .host import build_digest, mitsuba
-from .mitsuba_job import MitsubaJob
-
-PATH = "path"
-"""Mitsuba's own integrator, as one of the samplers."""
-ANY_DEPTH = 2**31 - 1
-DEFAULT_VARIANT = "scalar_rgb"
+from .mitsuba_job import MitsubaJob, check_film
 
 
 class MitsubaScene:
-    """A scene of Mitsuba's, which `lightcull.compare` takes, too.
+    """A scene of Mitsuba's, which `lightcull.render` and `lightcull.compare` take, too.
 
     Its samplers are those of `lightcull_path`, with their options ("culled:sets=16"), and "path",
-    which is Mitsuba's own integrator.
+    which is Mitsuba's own integrator: `path`, or `volpath` where the file says that.
 
     scene: a `mi.Scene` of the variant that is set. digest: tells it from other scenes; None: it is
-    not known, and no reference is ever found in the cache.
+    not known, and no reference is ever found in the cache. integrator: what holds of the one of the
+    file, as `load_file` finds it; None: max_depth and rr_depth of that of the scene.
     """
 
-    def __init__(self, scene: Any, name: str = "scene", digest: str | None = None) -> None:
+    def __init__(
+        self,
+        scene: Any,
+        name: str = "scene",
+        digest: str | None = None,
+        *,
+        integrator: FileIntegrator | None = None,
+    ) -> None:
         self.name = name
         self.scene = scene
+        self.integrator = _integrator_of(scene) if integrator is None else integrator
+        self._has_media = any(
+            shape.interior_medium() or shape.exterior_medium() for shape in scene.shapes()
+        )
+        self._sensor = next(iter(scene.sensors()), None)
         self._variant = mitsuba().variant()
         self._digest = digest or os.urandom(16).hex()
 
@@ -42,18 +57,88 @@ class MitsubaScene:
         return len(self.scene.emitters())
 
     @property
+    def sensor(self) -> Any:
+        """What it is seen by: the first of the file unless another was chosen. Raises Error if
+        there is none.
+        """
+        if self._sensor is None:
+            raise Error(f"{self.name}: has no sensor: --camera-from says from where it is seen")
+        return self._sensor
+
+    def use_camera(self, camera: CameraChoice) -> None:
+        """Sees the scene by one of the file's sensors, by its id or its number from 0, or by
+        another camera, whose picture is as large as that of the file's.
+        """
+        sensors = self.scene.sensors()
+        if isinstance(camera, Camera):
+            self._sensor = sensor_of(camera, self._sensor)
+            return
+        view = camera if isinstance(camera, View) else View(which=camera)
+        if view.which is not None:
+            self._sensor = sensors[chosen_camera([each.id() for each in sensors], view.which)]
+        if not view.is_changed:
+            return
+        before = Camera() if view.origin is not None else camera_of(self.sensor)
+        if before is None:
+            raise Error(f"{self.name}: its {self.sensor.class_name()} can only be left as it is")
+        bounds = self.bounds
+        middle = np.zeros(3) if bounds is None else bounds.mean(axis=0)
+        self._sensor = sensor_of(view.changed(before, middle), self._sensor)
+
+    def surround(self, environment: Environment, scale: float = 1.0) -> None:
+        """Surrounds the scene by something else than its file does; "auto": by that."""
+        if is_auto(environment):
+            return
+        camera = None if self._sensor is None else camera_of(self._sensor)
+        texels = texels_of(environment, camera or Camera())
+        kept = [e for e in self.scene.emitters() if not (e.is_environment() or _is_of_shape(e))]
+        things = [*self.scene.shapes(), *kept, *self.scene.sensors(), self.scene.integrator()]
+        scene = {"type": "scene"} | {f"_{i}": x for i, x in enumerate(things) if x is not None}
+        if texels is not None:
+            scene["environment"] = _environment(texels, scale)
+        try:
+            self.scene = mitsuba().load_dict(scene)
+        except RuntimeError as error:
+            raise Error(f"environment: {str(error).splitlines()[0].rsplit('] ', 1)[-1]}") from error
+        told = hashlib.blake2b(repr((texels is None, scale)).encode(), digest_size=16)
+        told.update(b"" if texels is None else texels.tobytes())
+        self._digest += told.hexdigest()
+
+    @property
     def size(self) -> tuple[int, int]:
         """Width and height of the picture, pixels: of the film's crop window."""
-        width, height = self.scene.sensors()[0].film().crop_size()
+        width, height = self.sensor.film().crop_size()
         return int(width), int(height)
 
+    @property
+    def bounds(self) -> np.ndarray | None:
+        """Smallest and largest corner of all shapes, float32 (2, 3), metres; None without any."""
+        corners = [_corners(shape) for shape in self.scene.shapes()]
+        if not corners:
+            return None
+        points = np.concatenate(corners)
+        return np.stack([points.min(axis=0), points.max(axis=0)])
+
+    @property
+    def file_settings(self) -> FileSettings:
+        """What film and integrator say."""
+        size = None if self._sensor is None else self.size
+        return FileSettings(size, self.integrator.max_depth, self.integrator.rr_depth)
+
+    @property
+    def variant(self) -> str:
+        """Of Mitsuba, that it was made by."""
+        return str(self._variant)
+
     def digest(self) -> str:
-        return f"{self._digest}-{self._variant}-{build_digest()}"
+        seen_by = hashlib.blake2b(str(self._sensor).encode(), digest_size=16).hexdigest()
+        return f"{self._digest}-{seen_by}-{self._variant}-{build_digest()}"
 
     def check_sampler(self, description: str) -> None:
-        self._integrator(description)
+        self._new_integrator(description)
 
     def new_job(self, sampler: str, settings: RenderSettings, spp: int | None = None) -> MitsubaJob:
+        check_film(self.name, self.sensor.film())
         self._set_size(settings.size)
         if settings.threads:
             # Dr.Jit comes with Mitsuba, which is optional.
@@ -61,18 +146,24 @@ class MitsubaScene:
         if settings.direct_light != "mis":
             raise Error("direct_light: not for Mitsuba, whose paths sample lights and the BSDF")
         depths = {"max_depth": settings.max_depth, "rr_depth": settings.rr_depth}
-        integrator = self._integrator(sampler, **depths)
-        return MitsubaJob(sampler, self.scene, integrator, settings.seed, spp)
+        integrator = self._new_integrator(sampler, **depths)
+        return MitsubaJob(sampler, self.scene, self.sensor, integrator, settings.seed, spp)
 
     @property
     def best_sampler(self) -> str:
-        return "learned"
+        """`learned`; "path" where there are media, which Mitsuba alone renders."""
+        return PATH if self.wants_media else "learned"
+
+    @property
+    def wants_media(self) -> bool:
+        """Whether there are media, and the integrator of the scene renders them."""
+        return self._has_media and self.integrator.kind != PATH
 
     def _set_size(self, size: tuple[int, int]) -> None:
         """A crop window is scaled with its film: the picture shows what it showed before."""
         if self.size == size:
             return
-        parameters = mitsuba().traverse(self.scene.sensors()[0])
+        parameters = mitsuba().traverse(self.sensor)
         old = {key: list(parameters[f"film.{key}"]) for key in ("size", "crop_offset")}
         factors = [new / was for new, was in zip(size, self.size, strict=True)]
         scaled = {
@@ -89,9 +180,14 @@ class MitsubaScene:
         if self.size != size:
             raise Error(f"{self.name}: its film cannot be made {size[0]}x{size[1]}")
 
-    def _integrator(self, description: str, **depths: int) -> Any:
-        properties: dict[str, Any] = {"type": PATH}
+    def _new_integrator(self, description: str, **depths: int) -> Any:
+        properties: dict[str, Any] = {"type": self.integrator.kind}
         if description != PATH:
+            if self.wants_media:
+                raise Error(
+                    f"sampler {description!r}: not for the media of {self.name}: "
+                    f"path renders them, by Mitsuba's {self.integrator.kind}"
+                )
             # A job is one render to its user, though it is many to Mitsuba.
             properties = {
                 "type": "lightcull_path",
@@ -99,34 +195,47 @@ class MitsubaScene:
                 "keep_learned": True,
             }
         try:
-            return mitsuba().load_dict(properties | depths)
+            return mitsuba().load_dict(properties | self.integrator.properties | depths)
         except RuntimeError as error:
             reason = str(error).splitlines()[0].rsplit("] ", 1)[-1]
             raise Error(f"sampler {description!r}: {reason}") from error
 
 
-def load_file(path: str | os.PathLike[str], variant: str = DEFAULT_VARIANT) -> MitsubaScene:
-    """Loads an .xml scene, and sets Mitsuba's variant."""
-    path, mi = Path(path), mitsuba()
-    if not path.is_file():
-        raise Error(f"{path}: no such file")
-    if variant not in mi.variants():
-        raise Error(f"Mitsuba has no variant {variant!r}; it has {', '.join(mi.variants())}")
-    try:
-        mi.set_variant(variant)
-        scene = mi.load_file(str(path))
-    except (ImportError, RuntimeError) as error:
-        raise Error(f"{path}: {error}") from error
-    digest = hashlib.blake2b(path.read_bytes(), digest_size=16)
-    digest.update(str(path.resolve()).encode())
-    return MitsubaScene(scene, path.stem, digest.hexdigest())
+def _is_of_shape(emitter: Any) -> bool:
+    """Whether it comes with a shape."""
+    return emitter.get_shape() is not None
 
 
-def depth_of_file(path: str | os.PathLike[str]) -> int:
-    """The max_depth of the integrator in an .xml scene; without one, ANY_DEPTH."""
-    try:
-        node = ElementTree.parse(path).find("integrator/integer[@name='max_depth']")
-    except ElementTree.ParseError as error:
-        raise Error(f"{path}: {error}") from error
-    depth = -1 if node is None else int(float(node.get("value", "-1")))
-    return ANY_DEPTH if depth < 0 else depth
+def _environment(texels: np.ndarray, scale: float) -> dict[str, Any]:
+    """A map of ours as Mitsuba has it: -Z is in its first column, ours has it in the middle."""
+    if texels.shape[:2] == (1, 1):
+        color = [float(scale * value) for value in texels[0, 0]]
+        return {"type": "constant", "radiance": {"type": "rgb", "value": color}}
+    turned = np.ascontiguousarray(np.roll(texels, texels.shape[1] // 2, axis=1), np.float32)
+    return {"type": "envmap", "bitmap": mitsuba().Bitmap(turned), "scale": scale}
+
+
+def _corners(shape: Any) -> np.ndarray:
+    """Of its bounds: float32 (2, 3). The box that a merged mesh tells is that of its first part."""
+    parameters = mitsuba().traverse(shape)
+    if "vertex_positions" in parameters:
+        points = np.array(parameters["vertex_positions"], np.float32).reshape(-1, 3)
+        return np.stack([points.min(axis=0), points.max(axis=0)])
+    box = shape.bbox()
+    return np.array([box.min, box.max], np.float32).reshape(2, 3)
+
+
+_KINDS = {"VolumetricPathIntegrator": "volpath", "VolpathMisIntegratorImpl": "volpathmis"}
+
+
+def _integrator_of(scene: Any) -> FileIntegrator:
+    """What an integrator tells of itself, which is its kind and its depths."""
+    integrator = scene.integrator()
+    said = dict(re.findall(r"(max_depth|rr_depth) = (\d+)", str(integrator)))
+    known = FileIntegrator()
+    # Mitsuba has -1 as an unsigned number.
+    depth = min(int(said.get("max_depth", known.max_depth)), known.max_depth)
+    if "DirectIntegrator[" in str(integrator):
+        depth = DIRECT_DEPTH
+    kind = PATH if integrator is None else _KINDS.get(integrator.class_name(), PATH)
+    return FileIntegrator(kind, depth, int(said.get("rr_depth", known.rr_depth)))

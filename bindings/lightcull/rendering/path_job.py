@@ -21,6 +21,7 @@ class PathJob:
         self, scene: Scene, sampler: SamplerChoice, settings: RenderSettings, name: str = ""
     ) -> None:
         """name: of a sampler of one's own, for errors."""
+        self._given = scene
         self._scene = scene.closed()
         self._own: GuardedSampler | None = None
         chosen: str | _core.SamplerLibrary | GuardedSampler
@@ -31,11 +32,13 @@ class PathJob:
         else:
             chosen = checks.text("sampler", sampler)
         self.sampler = chosen if isinstance(chosen, str) else name
-        self._setup_seconds_before = 0.0 if self._own is None else self._own.setup_seconds
         self._renderer = _core.Renderer(
             self._scene, chosen, *settings.size, settings.max_depth, settings.seed,
             settings.threads, settings.rr_depth, settings.direct_light, settings.emission_apart,
         )  # fmt: skip
+        self._setup_seconds = self._renderer.setup_seconds()
+        if self._own is not None:
+            self._setup_seconds += self._own.setup_seconds
         self._emission_apart = settings.emission_apart
 
     def render_pass(self) -> None:
@@ -44,15 +47,24 @@ class PathJob:
         if self._own is not None:
             self._own.raise_error()
 
+    def restart(self, seed: int) -> bool:
+        """Begins another image, of the scene as it is now, with another seed. Whether the sampler's
+        tree was built anew.
+        """
+        self._given.closed()
+        self._setup_seconds = 0.0
+        rebuilt, _ = self._renderer.restart(seed)
+        return rebuilt
+
     def checkpoint(self) -> Checkpoint:
         """All that there is so far."""
         renderer = self._renderer
-        return Checkpoint(renderer.stats(), self._setup_seconds(), renderer.sums(), renderer.learned())
+        return Checkpoint(renderer.stats(), self._setup_seconds, renderer.sums(), renderer.learned())
 
     def resume(self, checkpoint: Checkpoint) -> None:
         """Goes on from a checkpoint of the same render. Before the first pass."""
         self._renderer.restore(checkpoint.stats, checkpoint.sums, checkpoint.learned)
-        self._setup_seconds_before = checkpoint.setup_seconds
+        self._setup_seconds = checkpoint.setup_seconds + self._renderer.setup_seconds()
 
     def image(self) -> np.ndarray:
         """The mean of the passes so far: float32 (H, W, 3)."""
@@ -81,8 +93,5 @@ class PathJob:
         return self._scene.memory_size(), self._renderer.memory_size(), 0
 
     def stats(self) -> Stats:
-        stats = Stats.of(self._renderer.stats(), self._setup_seconds())
+        stats = Stats.of(self._renderer.stats(), self._setup_seconds)
         return stats if self._own is None else replace(stats, own_seconds=self._own.seconds)
-
-    def _setup_seconds(self) -> float:
-        return self._setup_seconds_before + self._renderer.setup_seconds()

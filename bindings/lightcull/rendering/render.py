@@ -3,23 +3,19 @@
 from __future__ import annotations
 
 import os
-import warnings
-from collections.abc import Callable
-
-import numpy as np
 
 from .. import checks, machine
 from .._core import Error
 from ..scene import Scene
 from .budget import Budget
 from .checkpoint import Keeper, RenderKey
-from .interruption import Interruption
 from .job import Job
 from .method import PATH, check_method
+from .passes import run_passes, warn_of_nonsense
 from .path_job import PathJob
-from .progress import Progress, ProgressCallback
+from .progress import ProgressCallback
 from .result import RenderResult
-from .settings import RR_DEPTH, RenderSettings
+from .settings import RenderSettings, settings_of
 from .subject import Subject, subject_of
 from .virtual_light_job import VirtualLightJob
 
@@ -31,11 +27,11 @@ def render(
     method: str = PATH,
     seconds: float | None = None,
     spp: int | None = None,
-    size: tuple[int, int] = (320, 240),
-    max_depth: int = 2,
+    size: tuple[int, int] | None = None,
+    max_depth: int | None = None,
     seed: int = 0,
     threads: int = 0,
-    rr_depth: int = RR_DEPTH,
+    rr_depth: int | None = None,
     direct_light: str = "mis",
     progress: ProgressCallback | None = None,
     checkpoint: str | os.PathLike[str] | None = None,
@@ -46,7 +42,9 @@ def render(
 
     scene: ours, or a `lightcull.mitsuba.MitsubaScene`. sampler: a description as in `LightSampler`;
     None: "learned", or "culled" where glossy virtual lights are among the lights. size: width and
-    height, pixels. max_depth: longest path, in edges: 1 sees emitters only, 2 direct light. method:
+    height, pixels. max_depth: longest path, in edges: 1 sees emitters only, 2 direct light. size,
+    max_depth and rr_depth are those of the scene's file if it is one of Mitsuba's, else 320x240, 2
+    and 5. method:
     how light that bounces is found: "path" by paths; "vpl_all", "vpl_culled", "vpl_clamped" and
     "vpl_grid" by virtual lights where light paths meet surfaces, which wants a max_depth of 3 to 5
     (`lightcull render --help` has their options); the sampler is then for direct light. rr_depth:
@@ -65,6 +63,7 @@ def render(
     more, before that pass is over, is a KeyboardInterrupt.
     """
     budget = Budget(spp, seconds)
+    size, max_depth, rr_depth = settings_of(scene, size, max_depth, rr_depth)
     settings = RenderSettings(size, max_depth, seed, threads, rr_depth, direct_light)
     subject = subject_of(scene)
     if sampler is None:
@@ -78,7 +77,7 @@ def render(
         if checkpoint is not None or resume is not None:
             raise Error(f"checkpoint and resume: not for {method}")
         job = VirtualLightJob(scene, method, sampler, settings)
-        interrupted = _run(job, budget, progress)
+        interrupted = run_passes(job, budget, progress)
     elif isinstance(scene, Scene):
         job, interrupted = _by_paths(
             scene, sampler, budget, settings, progress, checkpoint=checkpoint, every=every,
@@ -88,9 +87,9 @@ def render(
         if checkpoint is not None or resume is not None:
             raise Error("checkpoint and resume: not for a scene of another renderer")
         job = subject.new_job(sampler, settings, spp)
-        interrupted = _run(job, budget, progress)
+        interrupted = run_passes(job, budget, progress)
     image = job.image()
-    _warn_of_nonsense(scene.name, image)
+    warn_of_nonsense(scene.name, image)
     return RenderResult(
         image, job.stats(), scene.name, sampler, settings.max_depth, settings.seed, interrupted,
         method,
@@ -124,38 +123,6 @@ def _by_paths(
     job = PathJob(scene, sampler, settings)
     if before is not None:
         job.resume(before)
-    interrupted = _run(job, budget, progress, lambda: keeper.after_pass(job.checkpoint))
+    interrupted = run_passes(job, budget, progress, lambda: keeper.after_pass(job.checkpoint))
     keeper.save(job.checkpoint)
     return job, interrupted
-
-
-def _warn_of_nonsense(scene: str, image: np.ndarray) -> None:
-    if not image.any():
-        warnings.warn(f"{scene}: the image is black: no light is seen", stacklevel=3)
-    elif not np.isfinite(image).all():
-        count = np.count_nonzero(~np.isfinite(image).all(axis=2))
-        warnings.warn(f"{scene}: {count} pixels are not finite", stacklevel=3)
-
-
-def _run(
-    job: Job,
-    budget: Budget,
-    progress: ProgressCallback | None,
-    keep: Callable[[], None] | None = None,
-) -> bool:
-    """Renders pass by pass until the budget is used up. True if Ctrl-C came before that."""
-    with Interruption() as interruption:
-        try:
-            while not interruption.asked and not budget.is_used(job.stats()):
-                job.render_pass()
-                if keep is not None:
-                    keep()
-                if progress is not None:
-                    stats = job.stats()
-                    left = budget.seconds_left(stats)
-                    progress(Progress(job.sampler, budget.fraction(stats), stats.spp, left))
-        except KeyboardInterrupt:
-            if interruption.asked or job.stats().spp == 0:
-                raise
-            return True
-        return interruption.asked

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 from .. import checks, memory
 from .._core import Error
 from ..field_docs import with_field_docs
+from ..file_settings import FileSettings
 
 DIRECT_LIGHT = ("mis", "lights", "bsdf")
-RR_DEPTH = 5
+SIZE, MAX_DEPTH, RR_DEPTH = (320, 240), 2, 5
+"""Where neither anybody nor a file says."""
 
 
 @with_field_docs
@@ -47,3 +50,19 @@ class RenderSettings:
         for name, value in checked.items():  # numbers of any kind become Python's
             object.__setattr__(self, name, value)
         memory.check_image(self.size)
+
+
+def settings_of(
+    scene: Any,
+    size: tuple[int, int] | None,
+    max_depth: int | None,
+    rr_depth: int | None,
+    default_depth: int = MAX_DEPTH,
+) -> tuple[tuple[int, int], int, int]:
+    """Size, max_depth and rr_depth: as told, else as the file of the scene says, else the defaults."""
+    written = getattr(scene, "file_settings", FileSettings())
+    return (
+        next(value for value in (size, written.size, SIZE) if value is not None),
+        next(value for value in (max_depth, written.max_depth, default_depth) if value is not None),
+        next(value for value in (rr_depth, written.rr_depth, RR_DEPTH) if value is not None),
+    )

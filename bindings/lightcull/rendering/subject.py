@@ -66,10 +66,14 @@ class OwnSubject:
     def check_sampler(self, description: str) -> None:
         check_description(description)
 
-    def new_job(self, sampler: str, settings: RenderSettings, spp: int | None = None) -> PathJob:
+    def new_job(
+        self, sampler: str, settings: RenderSettings, spp: int | None = None
+    ) -> SubjectJob:
         return PathJob(self._scene, sampler, settings)
 
-    def new_own_job(self, name: str, sampler: SamplerChoice, settings: RenderSettings) -> PathJob:
+    def new_own_job(
+        self, name: str, sampler: SamplerChoice, settings: RenderSettings
+    ) -> SubjectJob:
         """name: of the sampler, which is not one of ours."""
         return PathJob(self._scene, sampler, settings, name)
 

@@ -168,9 +168,11 @@ class LIGHTCULL_EXPORT LightSampler : public LightSelector {
     /// tenth of the time that building takes. The tree is built anew if it has grown looser than
     /// `max_growth`, or a light shines that had no intensity when it was built; the other samplers
     /// always build anew. Ranges stay as long, in metres and for the same intensity, as they were
-    /// calibrated. Runs in the caller's TBB arena. Throws Error, and changes nothing, for another
-    /// number of lights, for lights that make_sampler() would refuse, and where the update cannot
-    /// be done; a sampler of a host's own does that unless it overrides this.
+    /// calibrated. What `learned` knows counts for little from then on, since what hides lights may
+    /// have moved, too, and it learns anew; where the tree is built anew, it forgets it. Runs in
+    /// the caller's TBB arena. Throws Error, and changes nothing, for another number of lights, for
+    /// lights that make_sampler() would refuse, and where the update cannot be done; a sampler of a
+    /// host's own does that unless it overrides this.
     virtual LightUpdate update(Span<const Light> lights, float max_growth = 2.0f);
 
     /// Forgets what has been reported since the last begin_pass(), as a host does that drops a

@@ -98,19 +98,47 @@ float orientation_measure(const EmissionCone& cone) noexcept {
     return std::min(cone.two_sided ? 2.0f * one_side : one_side, 4.0f * kPi);
 }
 
+namespace {
+
+/// The cone of a light without its axis, and what follows from it alone.
+struct ConeShape {
+    EmissionCone cone;
+    float cosine_share, measure;
+
+    explicit ConeShape(const LightRecord& light) noexcept {
+        cone.set_theta_o(2.0f *
+                         std::asin(static_cast<float>(light.half_sine_o) * LightRecord::kSnorm));
+        // To a cluster a glossy point emits as a point does.
+        const float sin_theta_e = static_cast<float>(light.sin_theta_e) * LightRecord::kSnorm;
+        cone.theta_e = std::asin(light.is_glossy() ? 1.0f : sin_theta_e);
+        cone.two_sided = light.two_sided != 0;
+        cosine_share = lightcull::cosine_share(cone);
+        measure = orientation_measure(cone);
+    }
+};
+
+/// A triangle that emits from one side: most lights are as it is.
+constexpr LightRecord kOneSided{{0, 0, 0}, 0.0f, 0.0f, {0, 0, 0}, LightRecord::kFlat, 32767, 0};
+
+ConeShape cone_shape(const LightRecord& light) noexcept {
+    static const ConeShape one_sided(kOneSided);
+    const bool is_one_sided = light.half_sine_o == kOneSided.half_sine_o &&
+                              light.sin_theta_e == kOneSided.sin_theta_e && light.two_sided == 0;
+    return is_one_sided ? one_sided : ConeShape(light);
+}
+
+}  // namespace
+
 LightCluster cluster_of(const LightRecord& light) noexcept {
+    const ConeShape shape = cone_shape(light);
     LightCluster result;
     result.flat = light.is_flat();
     const float3 r{light.radius, light.radius, light.radius};
     result.box = {light.center - r, light.center + r};
     EmissionCone& cone = result.cone;
+    cone = shape.cone;
     const float3 axis = axis_of(light);
     if (const float norm = length(axis); norm > 0.0f) cone.axis = axis * (1.0f / norm);
-    cone.set_theta_o(2.0f * std::asin(static_cast<float>(light.half_sine_o) * LightRecord::kSnorm));
-    // To a cluster a glossy point emits as a point does.
-    const float sin_theta_e = static_cast<float>(light.sin_theta_e) * LightRecord::kSnorm;
-    cone.theta_e = std::asin(light.is_glossy() ? 1.0f : sin_theta_e);
-    cone.two_sided = light.two_sided != 0;
 
     result.intensity = light.intensity;
     if (light.is_glossy()) {
@@ -121,8 +149,8 @@ LightCluster cluster_of(const LightRecord& light) noexcept {
     result.center = light.center;
     result.radius = light.radius;
     result.variance = kSpread * light.radius * light.radius;
-    result.mean_normal = cone.axis * cosine_share(cone);
-    result.mean_emission = orientation_measure(cone) / (4.0f * kPi);
+    result.mean_normal = cone.axis * shape.cosine_share;
+    result.mean_emission = shape.measure / (4.0f * kPi);
     return result;
 }
 

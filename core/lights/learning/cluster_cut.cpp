@@ -10,6 +10,7 @@ void ClusterCut::clear() noexcept {
     std::fill(std::begin(spread), std::end(spread), 1.0f);
     std::fill(std::begin(child), std::end(child), LightBvhNode::kEmpty);
     std::fill(std::begin(visible), std::end(visible), 1.0f);
+    std::fill(std::begin(scale), std::end(scale), 1.0f);
     std::fill(std::begin(first_leaf), std::end(first_leaf), 0xffffffffu);
     std::fill(std::begin(slot), std::end(slot), LightBvh<MeansNode>::kNoSlot);
     size = 0;

@@ -13,7 +13,10 @@ namespace lightcull {
 struct alignas(64) ClusterCut : ClusterMeans<128> {
     static constexpr std::uint32_t kMaxSize = 128;
 
-    float visible[kMaxSize];             ///< factor of a cluster's importance, (0, 1]; 1: not tried
+    float visible[kMaxSize];  ///< factor of what is seen of a cluster, (0, 1]; 1: not tried
+    float scale[kMaxSize];    ///< factor of a cluster's importance, above 0: `visible`
+                              ///< by what its parts together give the place, relative
+                              ///< to what it is taken to give as a whole
     std::uint32_t first_leaf[kMaxSize];  ///< first leaf of a cluster (LeafOrder), ascending
     LightBvhSlot slot[kMaxSize];         ///< slot of the tree that holds a cluster
     std::uint32_t size = 0;              ///< number of clusters
@@ -25,9 +28,9 @@ struct alignas(64) ClusterCut : ClusterMeans<128> {
     std::uint32_t place_of_leaf(std::uint32_t leaf) const noexcept;
 };
 
-/// The weights of the clusters of a cut at a receiver: importance by `visible`; and their sums.
-/// Where a receiver has a lobe, clusters too wide to tell what of them lies in it are replaced by
-/// the children of their nodes.
+/// The weights of the clusters of a cut at a receiver: importance by `scale`; and their sums. Where
+/// a receiver has a lobe, clusters too wide to tell what of them lies in it are replaced by the
+/// children of their nodes, by `visible`.
 struct alignas(64) CutWeights {
     static constexpr std::size_t kStride = 16;
     static constexpr std::uint32_t kWidth = LightBvhNode::kWidth;

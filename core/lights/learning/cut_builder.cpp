@@ -86,6 +86,10 @@ class KnownEvidence {
     std::size_t count_ = 0;
 };
 
+bool is_light(std::uint32_t child) noexcept {
+    return (child & LightBvhNode::kLight) != 0;
+}
+
 /// The node with clusters that are as wide as if all points of the place were seen from one.
 MeansNode softened(const MeansNode& node, float radius) noexcept {
     MeansNode soft = node;
@@ -97,10 +101,45 @@ MeansNode softened(const MeansNode& node, float radius) noexcept {
     return soft;
 }
 
+/// What the clusters of a tree give a place, by their importance.
+class GivenToPlace {
+  public:
+    GivenToPlace(const LightBvh<MeansNode>& bvh, const CutPlace& place)
+        : bvh_(bvh), radius_(place.radius), receiver_(place.position, place.normal) {}
+
+    /// The importances of the children of a node.
+    LightBvhImportances by_child(std::uint32_t n) const noexcept {
+        const MeansNode& node = bvh_.nodes[n];
+        LightBvhImportances g;
+        light_bvh_kernels<MeansNode>().importances(softened(node, radius_), receiver_, g.of);
+        for (std::uint32_t i = 0; i < kWidth; ++i) {
+            if (node.child[i] == LightBvhNode::kEmpty) g.of[i] = 0.0f;
+        }
+        return g;
+    }
+
+    /// The importance of a cluster as the sum over its parts, `depth` nodes further down. own: what
+    /// it is by the cluster itself.
+    float by_parts(std::uint32_t child, float own, int depth) const noexcept {
+        if (depth == 0 || is_light(child)) return own;
+        const LightBvhImportances g = by_child(child);
+        float sum = 0.0f;
+        for (std::uint32_t i = 0; i < kWidth; ++i) {
+            if (g.of[i] > 0.0f) sum += by_parts(bvh_.nodes[child].child[i], g.of[i], depth - 1);
+        }
+        return sum;
+    }
+
+  private:
+    const LightBvh<MeansNode>& bvh_;
+    float radius_;
+    Receiver receiver_;
+};
+
 class CutBuilder {
   public:
     CutBuilder(const LightBvh<MeansNode>& bvh, const CutPlace& place, const KnownEvidence& known)
-        : bvh_(bvh), place_(place), receiver_(place.position, place.normal), known_(known) {
+        : bvh_(bvh), place_(place), given_(bvh, place), known_(known) {
         clusters_.reserve(ClusterCut::kMaxSize);
         if (!bvh.nodes.empty()) open(0, {});
     }
@@ -146,14 +185,9 @@ class CutBuilder {
         open(opened.child, opened.evidence);
     }
 
-    static bool is_light(std::uint32_t child) noexcept {
-        return (child & LightBvhNode::kLight) != 0;
-    }
-
     void open(std::uint32_t n, const Evidence& above) {
         const MeansNode& node = bvh_.nodes[n];
-        LightBvhImportances g;
-        light_bvh_kernels<MeansNode>().importances(softened(node, place_.radius), receiver_, g.of);
+        const LightBvhImportances g = given_.by_child(n);
         float g_sum = 0.0f;
         for (const float weight : g.of) g_sum += weight;
         for (std::uint32_t i = 0; i < kWidth; ++i) {
@@ -175,14 +209,7 @@ class CutBuilder {
     /// those of its children tell: what that adds to the variance, relative to the weight.
     float misjudged(std::uint32_t n, float weight) const noexcept {
         if (!(weight > 0.0f)) return 0.0f;
-        LightBvhImportances g;
-        light_bvh_kernels<MeansNode>().importances(softened(bvh_.nodes[n], place_.radius),
-                                                   receiver_, g.of);
-        float sum = 0.0f;
-        for (std::uint32_t i = 0; i < kWidth; ++i) {
-            if (bvh_.nodes[n].child[i] != LightBvhNode::kEmpty) sum += g.of[i];
-        }
-        const float off = sum / weight - 1.0f;
+        const float off = given_.by_parts(n, weight, 1) / weight - 1.0f;
         return off * off;
     }
 
@@ -196,7 +223,7 @@ class CutBuilder {
 
     const LightBvh<MeansNode>& bvh_;
     const CutPlace& place_;
-    Receiver receiver_;
+    GivenToPlace given_;
     const KnownEvidence& known_;
     std::vector<Candidate> clusters_;
     float weight_sum_ = 0.0f;
@@ -217,6 +244,11 @@ float visible_factor(const Evidence& evidence) noexcept {
     return std::clamp(std::sqrt(visible), kLeastVisible, kMostVisible);
 }
 
+Evidence evidence_of(float visible_factor, float tries) noexcept {
+    if (visible_factor > kMostVisible) return {};
+    return {tries, tries * visible_factor * visible_factor};
+}
+
 void rebuild_cut(const LightBvh<MeansNode>& bvh, const LeafOrder& leaves, const CutPlace& place,
                  ClusterCut& cut, CutEvidence& evidence) {
     const KnownEvidence known(bvh, cut, evidence);
@@ -234,12 +266,20 @@ void rebuild_cut(const LightBvh<MeansNode>& bvh, const LeafOrder& leaves, const 
         cut.visible[i] = visible_factor(cluster.evidence);
         evidence.of[i] = cluster.evidence;
     }
-    refresh_cut(bvh, cut);
+    refresh_cut(bvh, place, cut);
 }
 
-void refresh_cut(const LightBvh<MeansNode>& bvh, ClusterCut& cut) noexcept {
+void refresh_cut(const LightBvh<MeansNode>& bvh, const CutPlace& place, ClusterCut& cut) noexcept {
+    // Two nodes further down is about as good as all of them.
+    constexpr int kDepth = 2;
+    constexpr float kLeast = 0.25f, kMost = 4.0f;
+    const GivenToPlace given(bvh, place);
     for (std::uint32_t i = 0; i < cut.size; ++i) {
-        cut.set(i, bvh.nodes[cut.slot[i] / kWidth], cut.slot[i] % kWidth);
+        const std::uint32_t n = cut.slot[i] / kWidth, child = cut.slot[i] % kWidth;
+        cut.set(i, bvh.nodes[n], child);
+        const float own = is_light(cut.child[i]) ? 0.0f : given.by_child(n).of[child];
+        const float judged = own > 0.0f ? given.by_parts(cut.child[i], own, kDepth) / own : 1.0f;
+        cut.scale[i] = cut.visible[i] * std::clamp(judged, kLeast, kMost);
     }
 }
 

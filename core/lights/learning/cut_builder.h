@@ -43,6 +43,9 @@ struct CutEvidence {
 /// afterwards at most kMostVisible.
 float visible_factor(const Evidence& evidence) noexcept;
 
+/// As many tries, or none, of which visible_factor() gives this, about.
+Evidence evidence_of(float visible_factor, float tries) noexcept;
+
 /// The least that visible_factor() returns: no light's probability is below that times what it
 /// would be without learning.
 inline constexpr float kLeastVisible = 0.02f;
@@ -55,7 +58,7 @@ inline constexpr float kMostVisible = 0x1.fffffep-1f;
 void rebuild_cut(const LightBvh<MeansNode>& bvh, const LeafOrder& leaves, const CutPlace& place,
                  ClusterCut& cut, CutEvidence& evidence);
 
-/// Takes the quantities of clusters from a tree that has been refitted.
-void refresh_cut(const LightBvh<MeansNode>& bvh, ClusterCut& cut) noexcept;
+/// Takes the quantities of clusters, and their scales, from a tree that has been refitted.
+void refresh_cut(const LightBvh<MeansNode>& bvh, const CutPlace& place, ClusterCut& cut) noexcept;
 
 }  // namespace lightcull

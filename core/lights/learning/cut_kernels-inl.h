@@ -41,7 +41,7 @@ HWY_ATTR HWY_INLINE hn::Vec<D> importances_at(D d, const ClusterMeans<kCount>& c
 HWY_ATTR HWY_INLINE hn::Vec<Tag> weights_at(const ClusterCut& cut, std::size_t i,
                                             const Receiver& receiver, hn::Vec<Tag>* blurred) {
     const Tag d;
-    return hn::Mul(importances_at(d, cut, i, receiver, blurred), hn::Load(d, cut.visible + i));
+    return hn::Mul(importances_at(d, cut, i, receiver, blurred), hn::Load(d, cut.scale + i));
 }
 
 /// Adds up the sums over every kStride-th place.

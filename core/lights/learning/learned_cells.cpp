@@ -34,7 +34,20 @@ CutEvidence handed_down(CutEvidence evidence) noexcept {
     return evidence;
 }
 
+/// The number of lights up to which one cut is better for all points than random ranges.
+constexpr std::uint32_t kFewForOneCut = 8192;
+
 }  // namespace
+
+LearnedLights::LearnedLights(const Frame& f, std::shared_ptr<const LightGroups> g)
+    : frame(f), groups(std::move(g)), leaves(groups->bvh) {
+    if (leaves.size() == 0 || leaves.size() > kFewForOneCut) return;
+    // The lights' bounds are two units wide.
+    constexpr CutPlace kAll{{0, 0, 0}, {0, 0, 0}, 1.0f};
+    CutEvidence none;
+    everywhere.emplace();
+    rebuild_cut(bvh(), leaves, kAll, *everywhere, none);
+}
 
 LearnedCells::LearnedCells(const LearningLimits& limits)
     : limits_(limits),
@@ -233,7 +246,31 @@ std::uint32_t LearnedCells::add_cell(const MetCell& met) {
 }
 
 void LearnedCells::refresh(const LearnedLights& lights) noexcept {
-    for (ClusterCut& cut : cuts_) refresh_cut(lights.bvh(), cut);
+    for_each_block(size(), kBlock, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) refresh_cut(lights.bvh(), places_[i], cuts_[i]);
+    });
+}
+
+void LearnedCells::learn_anew() {
+    if (limits_.rounds == 0) return;
+    constexpr float kRays = 8.0f;
+    if (learning()) {
+        drop_reports();
+    } else {
+        new_cells_ = std::make_unique<NewCells>();
+        fresh_.reset(new Fresh[size()]);
+        evidence_.reserve(most_cells());
+        evidence_.resize(size());
+        for (std::size_t i = 0; i < size(); ++i) {
+            for (std::uint32_t k = 0; k < cuts_[i].size; ++k) {
+                evidence_[i].of[k] = evidence_of(cuts_[i].visible[k], kRays);
+            }
+        }
+    }
+    for (CutEvidence& cell : evidence_) {
+        for (Evidence& known : cell.of) known = known.at_most(kRays);
+    }
+    round_ = published_ = 0;
 }
 
 std::size_t LearnedCells::memory_size() const noexcept {

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "base/byte_stream.h"
@@ -25,9 +26,10 @@ struct LearnedLights {
     Frame frame;
     std::shared_ptr<const LightGroups> groups;
     LeafOrder leaves;
+    /// A cut for all points, where there are few enough lights for it.
+    std::optional<ClusterCut> everywhere;
 
-    LearnedLights(const Frame& f, std::shared_ptr<const LightGroups> g)
-        : frame(f), groups(std::move(g)), leaves(groups->bvh) {}
+    LearnedLights(const Frame& f, std::shared_ptr<const LightGroups> g);
 
     const LightBvh<MeansNode>& bvh() const noexcept { return groups->bvh; }
     /// A hash of all that cells know of the lights.
@@ -85,6 +87,9 @@ class LearnedCells {
     void learn(const LearnedLights& lights);
     /// Fits the cuts to lights that have moved in a tree of the same topology.
     void refresh(const LearnedLights& lights) noexcept;
+    /// Begins the rounds anew, since what was learned may not be so any more: it counts for no more
+    /// than a few rays to each cluster. Reports since the last learn() are forgotten.
+    void learn_anew();
     /// True if the next learn() may change the cells.
     bool due() const noexcept;
 

@@ -38,28 +38,37 @@ float half_distance(const Light& light, float3 from) noexcept {
     return std::min(distance, kLargest);
 }
 
-/// The half_distance() from which on lights are 2^gap times as far as all nearer ones; infinite if
-/// none are.
-float far_begins(Span<const Light> lights, float3 from, int gap) noexcept {
-    constexpr int kLeast = -150, kMost = 127;  // exponents of floats
-    // What lies within a sixteenth of a metre counts as if it reached as far: lamps of no size do
-    // not make a room of lamps far.
-    constexpr int kLeastNear = -4;
-    std::array<bool, kMost - kLeast + 1> is_there{};
-    for (const Light& light : lights) {
-        const float distance = is_placed(light) ? half_distance(light, from) : 0.0f;
-        if (distance > 0.0f) {
-            is_there[static_cast<std::size_t>(std::ilogb(distance) - kLeast)] = true;
+/// How far lights are from a place: the exponents of their half_distance(), as floats have them.
+class Distances {
+  public:
+    Distances(Span<const Light> lights, float3 from) noexcept {
+        for (const Light& light : lights) {
+            const float distance = is_placed(light) ? half_distance(light, from) : 0.0f;
+            if (distance > 0.0f) {
+                is_there_[static_cast<std::size_t>(std::ilogb(distance) - kLeast)] = true;
+            }
         }
     }
-    int last = kLeastNear;
-    for (int exponent = kLeast; exponent <= kMost; ++exponent) {
-        if (!is_there[static_cast<std::size_t>(exponent - kLeast)]) continue;
-        if (exponent > last + gap) return std::ldexp(1.0f, exponent);
-        last = std::max(last, exponent);
+
+    /// The half_distance() from which on lights are 2^gap times as far as all nearer ones; infinite
+    /// if none are.
+    float far_begins(int gap) const noexcept {
+        // What lies within a sixteenth of a metre counts as if it reached as far: lamps of no size
+        // do not make a room of lamps far.
+        constexpr int kLeastNear = -4;
+        int last = kLeastNear;
+        for (int exponent = kLeast; exponent <= kMost; ++exponent) {
+            if (!is_there_[static_cast<std::size_t>(exponent - kLeast)]) continue;
+            if (exponent > last + gap) return std::ldexp(1.0f, exponent);
+            last = std::max(last, exponent);
+        }
+        return std::numeric_limits<float>::infinity();
     }
-    return std::numeric_limits<float>::infinity();
-}
+
+  private:
+    static constexpr int kLeast = -150, kMost = 127;
+    std::array<bool, kMost - kLeast + 1> is_there_{};
+};
 
 struct Bounds {
     float3 low, high;
@@ -69,9 +78,8 @@ struct Bounds {
     float extent() const noexcept { return largest(high * 0.5f - low * 0.5f); }
 };
 
-/// The bounds of the placed lights that are not 2^gap times as far from a place as all nearer ones.
-Bounds bounds_of_near(Span<const Light> lights, float3 from, int gap) noexcept {
-    const float far = far_begins(lights, from, gap);
+/// The bounds of the placed lights whose half_distance() from a place is below `far`.
+Bounds bounds_of_near(Span<const Light> lights, float3 from, float far) noexcept {
     Bounds bounds{from, from};
     for (const Light& light : lights) {
         if (!is_placed(light) || !(half_distance(light, from) < far)) continue;
@@ -100,13 +108,18 @@ Frame frame_of_placed(Span<const Light> lights) noexcept {
     constexpr int kOfOrigin = 8, kOfUnit = 20;
     const Light* const first = nearest_to_origin(lights);
     if (first == nullptr) return {};
-    const Bounds bounds = bounds_of_near(lights, first->center, kOfUnit);
+    const Distances distances(lights, first->center);
+    const float far_from_unit = distances.far_begins(kOfUnit);
+    const float far_from_origin = distances.far_begins(kOfOrigin);
+    const Bounds bounds = bounds_of_near(lights, first->center, far_from_unit);
+    const Bounds about_origin = far_from_origin == far_from_unit
+                                    ? bounds
+                                    : bounds_of_near(lights, first->center, far_from_origin);
     const float extent = bounds.extent();
     // In units of less than this the squared distance of a point that is not near overflows.
     constexpr float kLeastUnit = 1e-12f;
     const float unit = extent > 0.0f ? std::max(extent, kLeastUnit) : 1.0f;
-    return {bounds_of_near(lights, first->center, kOfOrigin).center(), 1.0f / unit,
-            bounds.brightest};
+    return {about_origin.center(), 1.0f / unit, bounds.brightest};
 }
 
 }  // namespace

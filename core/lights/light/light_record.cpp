@@ -1,5 +1,7 @@
 #include "lights/light/light_record.h"
 
+#include "base/parallel_blocks.h"
+
 #include <lightcull/error.h>
 
 #include <algorithm>
@@ -129,14 +131,19 @@ LightTable make_light_table(Span<const Light> lights) {
 
     LightTable table;
     table.frame = make_frame(lights);
-    table.records.reserve(lights.size());
+    table.records.resize(lights.size());
+    constexpr std::size_t kBlock = 4096;
+    for_each_block(lights.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            table.records[i] = to_record(lights[i], table.frame);
+        }
+    });
     for (std::size_t i = 0; i < lights.size(); ++i) {
-        table.records.push_back(to_record(lights[i], table.frame));
         // Relative to the brightest light, the faintest may vanish; then no path would ever miss
         // it.
-        if (table.records.back().intensity > 0.0f) {
+        if (table.records[i].intensity > 0.0f) {
             table.lit.push_back(static_cast<std::uint32_t>(i));
-            table.has_glossy |= table.records.back().is_glossy();
+            table.has_glossy |= table.records[i].is_glossy();
         }
     }
     return table;

@@ -27,17 +27,22 @@ namespace {
 /// A pass of `learned`. Where a cell has been made, the clusters of its cut are weighed at the
 /// point, narrower ones where a lobe asks for them, and a light is found down the light BVH below
 /// the one that is chosen: the probability is exact, the same in every pass in which the cell is as
-/// it is, and above 0 wherever light may come from. Elsewhere `culled` chooses. Bit 31 of a
-/// receipt's key tells a cell from a set.
+/// it is, and above 0 wherever light may come from. Elsewhere the cut that is made for all points
+/// serves, if there is one, or `culled` chooses. Bit 31 of a receipt's key tells a cell from a set.
 class LearnedPass final : public LightSelector, public SamplerInfo {
   public:
+    /// everywhere: the cut of `lights` for all points that are in no cell, or null.
     LearnedPass(std::shared_ptr<const LightSelector> fallback,
-                std::shared_ptr<const LearnedLights> lights, std::shared_ptr<LearnedCells> cells)
-        : fallback_(std::move(fallback)), lights_(std::move(lights)), cells_(std::move(cells)) {}
+                std::shared_ptr<const LearnedLights> lights, std::shared_ptr<LearnedCells> cells,
+                const ClusterCut* everywhere)
+        : fallback_(std::move(fallback)),
+          lights_(std::move(lights)),
+          cells_(std::move(cells)),
+          everywhere_(everywhere) {}
 
     Selection select(const ShadingPoint& point, float u) const noexcept override {
         const std::uint32_t cell = find(point);
-        if (cell == LearnedCells::kNone) return fallback_->select(point, u);
+        if (!has_cut(cell)) return fallback_->select(point, u);
         const Receiver x = to_local(point);
         CutWeights weights;
         weigh(cell, x, weights);
@@ -45,12 +50,12 @@ class LearnedPass final : public LightSelector, public SamplerInfo {
         descent.receiver = x;
         choose_cluster(cell, weights, refine(u, point), descent);
         light_bvh_kernels<MeansNode>().descend(lights_->bvh(), {&descent, 1});
-        return result(descent, {weights.total(), kIsCell | cell});
+        return result(descent, {weights.total(), key_of(cell)});
     }
 
     void select(Span<const ShadingPoint> points, Span<const float> u,
                 Span<Selection> selections) const override try {
-        if (cells_->size() == 0) return fallback_->select(points, u, selections);
+        if (!has_cut(0)) return fallback_->select(points, u, selections);
         std::vector<std::uint64_t> keys(points.size()), scratch(points.size());
         const auto elsewhere = cells_->size();
         for_each_block(points.size(), kBlock, [&](std::size_t begin, std::size_t end) {
@@ -79,7 +84,7 @@ class LearnedPass final : public LightSelector, public SamplerInfo {
         const LightBvhSlot slot = lights_->bvh().slots[light];
         if (slot == LightBvh<MeansNode>::kNoSlot || !(receipt.weight_sum > 0.0f)) return 0.0f;
         const Receiver x = to_local(point);
-        const ClusterCut& cut = cells_->cut(cell_of(receipt));
+        const ClusterCut& cut = cut_of(cell_of(receipt));
         const WeightOfSlot top = weight_above(cut, x, slot);
         const double prob =
             static_cast<double>(top.weight) / static_cast<double>(receipt.weight_sum);
@@ -89,25 +94,27 @@ class LearnedPass final : public LightSelector, public SamplerInfo {
 
     void report(Span<const LightOutcome> outcomes) const noexcept override {
         for (const LightOutcome& outcome : outcomes) {
-            cells_->report(
-                *lights_, outcome,
-                is_cell(outcome.receipt) ? cell_of(outcome.receipt) : LearnedCells::kNone);
+            const std::uint32_t cell =
+                is_cell(outcome.receipt) ? cell_of(outcome.receipt) : kEverywhere;
+            cells_->report(*lights_, outcome, cell == kEverywhere ? LearnedCells::kNone : cell);
         }
     }
 
     bool wants_reports() const noexcept override { return cells_->learning(); }
 
     bool knows(const Receipt& receipt) const noexcept override {
-        return is_cell(receipt) ? cell_of(receipt) < cells_->size() : fallback_->knows(receipt);
+        if (!is_cell(receipt)) return fallback_->knows(receipt);
+        const std::uint32_t cell = cell_of(receipt);
+        return cell < cells_->size() || (cell == kEverywhere && everywhere_ != nullptr);
     }
 
     std::uint32_t set_count() const noexcept override { return fallback_->set_count(); }
 
     SelectionCounts count(const ShadingPoint& point) const noexcept override {
         const std::uint32_t cell = find(point);
-        if (cell == LearnedCells::kNone) return sampler_info(*fallback_)->count(point);
+        if (!has_cut(cell)) return sampler_info(*fallback_)->count(point);
         SelectionCounts counts;
-        const ClusterCut& cut = cells_->cut(cell);
+        const ClusterCut& cut = cut_of(cell);
         counts.lights_tested = cut.size;
         CutWeights weights;
         cut_kernels().weigh(lights_->bvh(), cut, to_local(point), weights);
@@ -148,7 +155,19 @@ class LearnedPass final : public LightSelector, public SamplerInfo {
     static constexpr std::size_t kBlock = 8192;
     static_assert(kNoCell == LearnedCells::kNone);
     static constexpr std::uint32_t kIsCell = 0x80000000u;
+    /// What stands in a receipt in place of a cell where there is none.
+    static constexpr std::uint32_t kEverywhere = ~kIsCell;
 
+    /// True if a cut serves a cell, or what find() gives where there is none.
+    bool has_cut(std::uint32_t cell) const noexcept {
+        return cell < cells_->size() || everywhere_ != nullptr;
+    }
+    const ClusterCut& cut_of(std::uint32_t cell) const noexcept {
+        return cell < cells_->size() ? cells_->cut(cell) : *everywhere_;
+    }
+    std::uint32_t key_of(std::uint32_t cell) const noexcept {
+        return kIsCell | (cell < cells_->size() ? cell : kEverywhere);
+    }
     static bool is_cell(const Receipt& receipt) noexcept { return (receipt.key & kIsCell) != 0; }
     static std::uint32_t cell_of(const Receipt& receipt) noexcept { return receipt.key & ~kIsCell; }
     /// A key has a cell in the upper half, and the index of a point in the lower.
@@ -158,7 +177,8 @@ class LearnedPass final : public LightSelector, public SamplerInfo {
     static std::uint32_t index_of(std::uint64_t key) noexcept {
         return static_cast<std::uint32_t>(key);
     }
-    bool is_elsewhere(std::uint64_t key) const noexcept { return cell_of(key) == cells_->size(); }
+    /// True for a point that `culled` serves, of which the key has the number of cells.
+    bool is_elsewhere(std::uint64_t key) const noexcept { return !has_cut(cell_of(key)); }
     std::uint32_t find(const ShadingPoint& point) const noexcept {
         return cells_->find(lights_->frame.position(point.position), point.normal);
     }
@@ -166,7 +186,7 @@ class LearnedPass final : public LightSelector, public SamplerInfo {
 
     /// Weighs the clusters of a cell.
     void weigh(std::uint32_t cell, const Receiver& x, CutWeights& weights) const noexcept {
-        cut_kernels().weigh(lights_->bvh(), cells_->cut(cell), x, weights);
+        cut_kernels().weigh(lights_->bvh(), cut_of(cell), x, weights);
     }
 
     /// A slot of the tree, and the weight of the cluster that it holds.
@@ -199,7 +219,7 @@ class LearnedPass final : public LightSelector, public SamplerInfo {
         descent.prob = 0.0;
         descent.child = LightBvhNode::kLight;
         if (!(weights.total() > 0.0f)) return;
-        const ClusterCut& cut = cells_->cut(cell);
+        const ClusterCut& cut = cut_of(cell);
         const CutChoice choice = choose(weights, number);
         descent.place = choice.within;
         descent.prob =
@@ -237,12 +257,12 @@ class LearnedPass final : public LightSelector, public SamplerInfo {
             light_bvh_kernels<MeansNode>().descend(lights_->bvh(), {descents.data(), count});
             for (std::size_t k = 0; k < count; ++k) {
                 selections[index_of(keys[begin + k])] =
-                    result(descents[k], {weights[k].total(), kIsCell | cell_of(keys[begin + k])});
+                    result(descents[k], {weights[k].total(), key_of(cell_of(keys[begin + k]))});
             }
         }
     }
 
-    /// Selects for the points that are in no cell.
+    /// Selects for the points that no cut serves.
     void select_elsewhere(const std::vector<std::uint64_t>& keys, Span<const ShadingPoint> points,
                           Span<const float> u, Span<Selection> selections) const {
         const auto elsewhere = static_cast<std::size_t>(
@@ -272,6 +292,7 @@ class LearnedPass final : public LightSelector, public SamplerInfo {
     std::shared_ptr<const LightSelector> fallback_;
     std::shared_ptr<const LearnedLights> lights_;
     std::shared_ptr<LearnedCells> cells_;
+    const ClusterCut* everywhere_;
 };
 
 class LearnedSampler final : public LightSampler, public SamplerInfo {
@@ -294,7 +315,7 @@ class LearnedSampler final : public LightSampler, public SamplerInfo {
         renew();
     }
     std::unique_ptr<const LightSelector> pass(std::uint64_t number) const override {
-        return std::make_unique<LearnedPass>(culled_->pass(number), lights_, cells_);
+        return std::make_unique<LearnedPass>(culled_->pass(number), lights_, cells_, everywhere());
     }
     LightUpdate update(Span<const Light> lights, float max_growth) override {
         const LightUpdate result = culled_->update(lights, max_growth);
@@ -302,6 +323,7 @@ class LearnedSampler final : public LightSampler, public SamplerInfo {
         current_.reset();
         cells_ = result.rebuilt ? no_cells() : std::make_shared<LearnedCells>(*cells_);
         cells_->refresh(*lights_);
+        cells_->learn_anew();
         renew();
         return result;
     }
@@ -372,14 +394,22 @@ class LearnedSampler final : public LightSampler, public SamplerInfo {
   private:
     static constexpr std::uint64_t kStateVersion = 0x31306c6c7563u;
 
-    std::shared_ptr<LearnedCells> no_cells() const {
+    bool learns() const noexcept {
         // Among so few there is less to gain by learning than it costs.
         constexpr std::uint32_t kFew = 4;
-        LearningLimits limits = limits_;
-        if (lights_->leaves.size() <= kFew) limits.rounds = 0;
-        return std::make_shared<LearnedCells>(limits);
+        return limits_.rounds > 0 && lights_->leaves.size() > kFew;
     }
-    void renew() { current_ = std::make_unique<LearnedPass>(culled_, lights_, cells_); }
+    std::shared_ptr<LearnedCells> no_cells() const {
+        return std::make_shared<LearnedCells>(
+            LearningLimits{limits_.memory, learns() ? limits_.rounds : 0});
+    }
+    /// The cut for points that are in no cell, null if `culled` is better for them.
+    const ClusterCut* everywhere() const noexcept {
+        return learns() && lights_->everywhere ? &*lights_->everywhere : nullptr;
+    }
+    void renew() {
+        current_ = std::make_unique<LearnedPass>(culled_, lights_, cells_, everywhere());
+    }
 
     std::shared_ptr<CulledSamplerBase> culled_;
     LearningLimits limits_;

@@ -17,7 +17,7 @@ struct PathContext {
     const Integrator<Float, Spectrum>* integrator = nullptr;
     const Scene<Float, Spectrum>* scene = nullptr;
     const SceneLights<Float, Spectrum>* lights = nullptr;
-    const ::lightcull::LightSampler* light_sampler = nullptr;
+    const ::lightcull::LightSampler* light_sampler = nullptr;  ///< null: the kernel chooses
     std::uint32_t max_depth = 0;  ///< this and the next two mean what they mean to Mitsuba's `path`
     std::uint32_t rr_depth = 0;
     bool hide_emitters = false;

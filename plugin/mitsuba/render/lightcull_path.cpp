@@ -1,3 +1,5 @@
+#include <lightcull/light_bvh_table.h>
+
 #include <mitsuba/core/profiler.h>
 #include <mitsuba/core/util.h>
 #include <mitsuba/render/integrator.h>
@@ -7,6 +9,9 @@
 #include <utility>
 
 #include "arrays/variants.h"
+#include "lanes/light_tables.h"
+#include "loop/light_bvh_arrays.h"
+#include "loop/trace_loop.h"
 #include "paths/path_context.h"
 #include "paths/progress_bar.h"
 #include "render/llvm_render_lock.h"
@@ -23,7 +28,6 @@
 #include "scene/many_shapes_warning.h"
 #include "scene/scene_lights.h"
 #include "scene/surface_receiver.h"
-#include "wavefront/light_tables.h"
 #include "wavefront/trace_wavefront.h"
 #include "wavefront/wavefront_passes.h"
 
@@ -80,6 +84,10 @@ std::uint32_t to_number(const UInt32& value) {
 /// anew for each: an error that pixels have in common then falls with the number of passes. Where
 /// the light sampler learns, passes are short, and each learns from the shadow rays of those
 /// before.
+///
+/// In LLVM variants a pass is one kernel, as with `path`, where the light sampler is
+/// light_bvh:importance=means, or culled or learned with up to 64 lights, which are chosen among in
+/// the same way. With any other, a bounce is two kernels, between which the processor chooses.
 template <typename Float, typename Spectrum>
 class LightcullPath final : public MonteCarloIntegrator<Float, Spectrum> {
   public:
@@ -106,25 +114,31 @@ class LightcullPath final : public MonteCarloIntegrator<Float, Spectrum> {
 
         const SceneLights<Float, Spectrum> lights(scene);
         const ScalarVector2u size = sampled_size(sensor->film());
-        std::unique_ptr<ReusableSampler> reusable = take_light_sampler(scene, sensor, lights, size);
-        const Job job{{this, scene, &lights, &reusable->sampler(), m_max_depth, m_rr_depth,
-                       m_hide_emitters, has_glossy_surfaces(scene)},
-                      reusable->sampler(),
-                      sensor,
-                      size,
-                      sensor->film()->prepare(aov_names()),
-                      to_number(seed),
-                      sensor->sampler()->sample_count(),
-                      reusable->learns()};
+        Job job{{this, scene, &lights, nullptr, m_max_depth, m_rr_depth, m_hide_emitters,
+                 has_glossy_surfaces(scene)},
+                nullptr,
+                sensor,
+                size,
+                sensor->film()->prepare(aov_names()),
+                to_number(seed),
+                sensor->sampler()->sample_count()};
         Log(Info, "Starting render job (%ux%u, %u sample%s, %u lights by %s)", size.x(), size.y(),
             job.spp, job.spp == 1 ? "" : "s", lights.lights().size(), description_);
-        if constexpr (dr::is_jit_v<Float>) {
-            render_wavefronts(job);
+        if (kernel_chooses(lights)) {
+            render_loops(job);
         } else {
-            render_blocks(job);
+            std::unique_ptr<ReusableSampler> reusable =
+                take_light_sampler(scene, sensor, lights, size);
+            job.light_sampler = reusable.get();
+            job.context.light_sampler = &reusable->sampler();
+            if constexpr (dr::is_jit_v<Float>) {
+                render_wavefronts(job);
+            } else {
+                render_blocks(job);
+            }
+            if (should_stop()) reusable->sampler().drop_reports();
+            cache_.keep(std::move(reusable));
         }
-        if (should_stop()) reusable->sampler().drop_reports();
-        cache_.keep(std::move(reusable));
         TensorXf image = finish(sensor->film(), develop, evaluate);
         if (!m_stop) {
             Log(Info, "Rendering finished. (took %s)",
@@ -142,8 +156,11 @@ class LightcullPath final : public MonteCarloIntegrator<Float, Spectrum> {
         if (!task || task->context.integrator != this) {
             Throw("lightcull_path must be the scene's own integrator, not one within another");
         }
+        if (m_max_depth == 0) return {0.0f, false};
         if constexpr (dr::is_jit_v<Float>) {
-            return trace_wavefront(task->context, sampler, ray, task->part.pass());
+            const auto& [passes, tables, bvh] = task->part;
+            if (bvh) return trace_loop(task->context, sampler, ray, tables, *bvh, active);
+            return trace_wavefront(task->context, sampler, ray, passes.pass());
         } else {
             return trace_path(task->context, sampler, ray, task->part);
         }
@@ -169,12 +186,11 @@ class LightcullPath final : public MonteCarloIntegrator<Float, Spectrum> {
     /// What a render under way is about.
     struct Job {
         PathContext<Float, Spectrum> context;
-        ::lightcull::LightSampler& light_sampler;
+        const ReusableSampler* light_sampler;  ///< null: the kernel chooses
         Sensor* sensor;
         ScalarVector2u size;  ///< pixels that get samples, with those of the border
         std::size_t channels;
         std::uint32_t seed, spp;
-        bool learns;  ///< the light sampler learns from pass to pass
     };
 
     [[noreturn]] static void refuse_derivatives() {
@@ -205,16 +221,21 @@ class LightcullPath final : public MonteCarloIntegrator<Float, Spectrum> {
         return reusable;
     }
 
+    /// Whether lights are chosen within Dr.Jit's kernel.
+    bool kernel_chooses(const SceneLights<Float, Spectrum>& lights) const {
+        return dr::is_jit_v<Float> && chooses_by_means(description_, lights.lights().size());
+    }
+
     void render_blocks(const Job& job) {
         if constexpr (!dr::is_jit_v<Float>) {
             using Passes = BlockPasses<Float, Spectrum>;
-            const std::uint32_t range_sets = job.light_sampler.set_count();
+            ::lightcull::LightSampler& light_sampler = job.light_sampler->sampler();
+            const std::uint32_t range_sets = light_sampler.set_count();
             Passes passes(job.sensor, job.size, job.channels, m_block_size, job.seed, job.spp,
-                          range_sets, job.learns);
+                          range_sets, job.light_sampler->learns());
             const float differential_scale = dr::rsqrt(static_cast<float>(job.spp));
             for (std::uint32_t pass = 0; pass < passes.count() && !should_stop(); ++pass) {
-                in_sampler_arena(
-                    [&] { job.light_sampler.begin_pass(number_of_pass(job.seed, pass)); });
+                in_sampler_arena([&] { light_sampler.begin_pass(number_of_pass(job.seed, pass)); });
                 passes.run(
                     pass,
                     [&](const typename Passes::Pixel& pixel, Sampler* sampler, ImageBlock* block,
@@ -233,27 +254,55 @@ class LightcullPath final : public MonteCarloIntegrator<Float, Spectrum> {
     void render_wavefronts(const Job& job) {
         if constexpr (dr::is_jit_v<Float>) {
             const dr::suspend_grad<Float> no_derivatives;
+            ::lightcull::LightSampler& light_sampler = job.light_sampler->sampler();
             const LightTables<Float, Spectrum> tables(job.context.scene, *job.context.lights);
-            WavefrontPasses<Float, Spectrum> passes(job.sensor, job.size, job.seed, job.spp,
-                                                    job.light_sampler.set_count(), job.learns,
-                                                    tables, memory_);
-            const RenderTask<Float, Spectrum> task(job.context, passes);
-            const float differential_scale = dr::rsqrt(static_cast<float>(job.spp));
-            const std::unique_ptr<Float[]> channels(new Float[job.channels]);
-            ProgressBar progress(passes.count());
-            for (std::uint32_t pass = 0; pass < passes.count() && !should_stop(); ++pass) {
-                in_sampler_arena([&] {
-                    job.light_sampler.begin_pass(number_of_pass(job.seed, pass));
-                    render_sample(job.context.scene, job.sensor, passes.sampler(), passes.block(),
-                                  channels.get(), passes.corners(), differential_scale);
-                });
-                passes.advance();
-                progress.step();
-            }
-            passes.finish();
+            WavefrontPasses<Float, Spectrum> passes(
+                job.sensor, job.size, job.seed, job.spp,
+                {light_sampler.set_count(), job.light_sampler->learns(), false}, tables, memory_);
+            render_passes(job, passes, {passes, tables, nullptr}, [&](std::uint32_t pass) {
+                light_sampler.begin_pass(number_of_pass(job.seed, pass));
+            });
         } else {
             DRJIT_MARK_USED(job);
         }
+    }
+
+    void render_loops(const Job& job) {
+        if constexpr (dr::is_jit_v<Float>) {
+            const dr::suspend_grad<Float> no_derivatives;
+            const SceneLights<Float, Spectrum>& lights = *job.context.lights;
+            const LightTables<Float, Spectrum> tables(job.context.scene, lights);
+            ::lightcull::LightBvhTable bvh;
+            if (lights.lights().size() > 1) {
+                in_sampler_arena([&] { bvh = ::lightcull::make_light_bvh_table(lights.lights()); });
+            }
+            const LightBvhArrays<Float> arrays(bvh, job.context.has_lobes);
+            WavefrontPasses<Float, Spectrum> passes(job.sensor, job.size, job.seed, job.spp, {},
+                                                    tables, memory_);
+            render_passes(job, passes, {passes, tables, &arrays}, [](std::uint32_t) {});
+        } else {
+            DRJIT_MARK_USED(job);
+        }
+    }
+
+    /// Renders in passes, before each of which it calls begin(number of the pass).
+    template <typename Passes, typename Begin>
+    void render_passes(const Job& job, Passes& passes, const LanePaths<Float, Spectrum>& paths,
+                       const Begin& begin) {
+        const RenderTask<Float, Spectrum> task(job.context, paths);
+        const float differential_scale = dr::rsqrt(static_cast<float>(job.spp));
+        const std::unique_ptr<Float[]> channels(new Float[job.channels]);
+        ProgressBar progress(passes.count());
+        for (std::uint32_t pass = 0; pass < passes.count() && !should_stop(); ++pass) {
+            in_sampler_arena([&] {
+                begin(pass);
+                render_sample(job.context.scene, job.sensor, passes.sampler(), passes.block(),
+                              channels.get(), passes.corners(), differential_scale);
+            });
+            passes.advance();
+            progress.step();
+        }
+        passes.finish();
     }
 
     /// The film's image if it is to be developed.

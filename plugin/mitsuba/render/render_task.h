@@ -3,11 +3,22 @@
 #include <type_traits>
 #include <utility>
 
+#include "lanes/light_tables.h"
+#include "loop/light_bvh_arrays.h"
 #include "paths/path_context.h"
 #include "sampler/range_sets.h"
 #include "wavefront/wavefront_passes.h"
 
 namespace mitsuba::culling {
+
+/// The paths of a render in variants of arrays.
+template <typename Float, typename Spectrum>
+struct LanePaths {
+    WavefrontPasses<Float, Spectrum>& passes;
+    const LightTables<Float, Spectrum>& tables;
+    const LightBvhArrays<Float>* bvh;  ///< lights are chosen from it in the kernel; null: by
+                                       ///< PathContext::light_sampler, between kernels
+};
 
 /// A task says what Integrator::sample() is to do, as far as its parameters do not. The thread that
 /// calls sample() makes one, which holds for as long as it lives.
@@ -17,7 +28,7 @@ class RenderTask {
     /// The part of the render to trace: in scalar variants one path, named by its sets of ranges;
     /// in LLVM variants the next of the passes.
     using Part =
-        std::conditional_t<dr::is_jit_v<Float>, WavefrontPasses<Float, Spectrum>, const PathSets>;
+        std::conditional_t<dr::is_jit_v<Float>, const LanePaths<Float, Spectrum>, const PathSets>;
 
     RenderTask(const PathContext<Float, Spectrum>& context, Part& part)
         : context(context), part(part), previous_(std::exchange(current_, this)) {}

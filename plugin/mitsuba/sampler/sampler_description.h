@@ -2,6 +2,7 @@
 
 #include <mitsuba/core/properties.h>
 
+#include <cstddef>
 #include <string>
 
 namespace mitsuba::culling {
@@ -11,5 +12,10 @@ namespace mitsuba::culling {
 /// others), `error_bound` (a number or "auto") and `sets` (a whole number), which are added to it.
 /// Throws for what make_sampler() would refuse, and for `paper` with its test at the vertex.
 std::string sampler_description(const Properties& properties);
+
+/// Whether one of so many lights is best chosen as a light BVH with the importance by means does.
+/// That is so for a sampler that is one, and for any where there is nothing to choose; and for
+/// culled and learned up to 64 lights, each of which culled weighs: the variance is the same.
+bool chooses_by_means(const std::string& description, std::size_t light_count);
 
 }  // namespace mitsuba::culling

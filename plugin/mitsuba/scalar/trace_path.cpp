@@ -36,7 +36,6 @@ class ScalarPath {
         : context_(context), sampler_(sampler), sets_(sets) {}
 
     std::pair<Spectrum, bool> trace(const RayDifferential3f& camera_ray) {
-        if (context_.max_depth == 0) return {Spectrum(0.0f), false};
         ray_ = Ray3f(camera_ray);
         valid_ = !context_.hide_emitters && context_.scene->environment() != nullptr;
         PreliminaryIntersection3f hit =

@@ -7,6 +7,7 @@
 
 #include "arrays/host_columns.h"
 #include "arrays/variants.h"
+#include "lanes/chosen_light.h"
 #include "sampler/range_sets.h"
 #include "scene/surface_receiver.h"
 
@@ -36,12 +37,8 @@ class LaneSelector {
     using Mask = dr::mask_t<Float>;
     using Point3f = Point<Float, 3>;
 
-    /// A light for each lane. What it refers to is overwritten by the next choice.
-    struct Chosen {
-        UInt32 light;
-        Float prob;      ///< 0: none
-        Float mis_prob;  ///< the probability that stands for it in weights
-    };
+    /// What it refers to is overwritten by the next choice.
+    using Chosen = ChosenLight<Float>;
 
     LaneSelector(const ::lightcull::LightSampler& sampler, std::size_t light_count,
                  const SetPattern& pattern, LaneMemory& memory)

@@ -4,7 +4,7 @@
 #include "paths/mis_weight.h"
 #include "scene/surface_receiver.h"
 #include "scene/triangle_pdf.h"
-#include "wavefront/lane_lights.h"
+#include "lanes/lane_lights.h"
 #include "wavefront/lane_random.h"
 #include "wavefront/path_states.h"
 

@@ -3,10 +3,10 @@
 #include <cstdint>
 #include <utility>
 
+#include "lanes/light_tables.h"
 #include "paths/path_context.h"
 #include "sampler/range_sets.h"
 #include "wavefront/lane_selector.h"
-#include "wavefront/light_tables.h"
 
 namespace mitsuba::culling {
 

@@ -56,3 +56,16 @@ TEST_CASE("a thin lens is sharp in its plane of focus and spreads over its apert
     }
     CHECK(widest > 0.2f);
 }
+
+TEST_CASE(
+    "orthographic rays are parallel and start on a rectangle of the height that is asked for") {
+    Camera camera = look({1, 2, 3}, {1, 2, -5}, 1.0f);
+    camera.orthographic_height = 4.0f;
+    const CameraRays rays(camera, 200, 100);
+    const Ray center = rays.ray({100, 50}, {0.3f, 0.9f}), top_left = rays.ray({0, 0}, {0.1f, 0.2f});
+    for (const Ray& ray : {center, top_left}) {
+        CHECK((ray.direction - V3f(0, 0, -1)).length() < 1e-6f);
+    }
+    CHECK((center.origin - V3f(1, 2, 3)).length() < 1e-6f);
+    CHECK((top_left.origin - V3f(1.0f - 4.0f, 2.0f + 2.0f, 3.0f)).length() < 1e-6f);
+}

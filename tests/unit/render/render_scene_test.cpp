@@ -183,6 +183,10 @@ TEST_CASE("textures, materials, lights, environments and cameras are checked") {
     CHECK(material_error([](Material& m) { m.base_color_texture = 0; }) ==
           "material 0: base_color_texture is texture 0, which has a texel above 1");
 
+    CHECK(camera_error([](Camera& c) { c.orthographic_height = -1.0f; }) ==
+          "camera: orthographic_height is negative");
+    CHECK(camera_error([](Camera& c) { c.orthographic_height = c.aperture_radius = 1.0f; }) ==
+          "camera: aperture_radius is above 0, and orthographic cameras have no lens");
     CHECK(camera_error([](Camera& c) { c.target = c.origin; }) == "camera: target is the origin");
     CHECK(camera_error([](Camera& c) {
               c.up = {0, 0, -3};

@@ -14,6 +14,9 @@ from .stage import Stage, cut_up
 def situations() -> Iterator[Situation]:
     yield Situation("a sun and lamps", "far", lambda: _sun(1e4))
     yield Situation("a sun at 1.5e11 m and lamps", "far", lambda: _sun(1.5e11))
+    yield Situation("a directional light and lamps", "far", lambda: _directional(1))
+    yield Situation("60 directional lights and lamps", "far", lambda: _directional(60))
+    yield Situation("300 directional lights and lamps", "far", lambda: _directional(300))
     yield Situation("a dome of 500 lamps", "far", _dome)
     yield Situation("a dome of 800 triangles and lamps", "far", _dome_of_triangles)
     yield Situation("a field of lamps, and some near ones", "far", _field)
@@ -28,6 +31,15 @@ def _sun(distance: float) -> Stage:
     v = np.cross(u, way)  # so that u x v looks back
     radius = 0.00465 * distance
     stage.panel(way * distance, u * radius, v * radius, 0.05 / (4 * 0.00465**2))
+    stage.points(scattered(0, 100, (-4, 2.5, -4), (4, 3, 4)), 0.02)
+    return stage
+
+
+def _directional(count: int) -> Stage:
+    """Half of the light; some are below the horizon."""
+    stage = Stage()
+    ways = np.random.default_rng(9).normal(0, 1, (count, 3)) + [0.0, 1.0, 0.0]
+    stage.suns(ways, 0.5 * np.random.default_rng(10).lognormal(0, 1.5, count) / count)
     stage.points(scattered(0, 100, (-4, 2.5, -4), (4, 3, 4)), 0.02)
     return stage
 

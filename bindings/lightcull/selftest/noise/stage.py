@@ -42,6 +42,7 @@ class Stage(Picture):
         self.scene.set_camera((0, height, 0), (0, 0, 0), up=(0, 0, -1), vertical_fov=fov, **lens_of)
         self._points: list[tuple[np.ndarray, np.ndarray]] = []
         self._spots: list[tuple[np.ndarray, ...]] = []
+        self._suns = 0.0
         self._triangles: list[tuple[np.ndarray, np.ndarray]] = []
         self._plates: list[np.ndarray] = []
         self._unseen = 0.0
@@ -64,6 +65,14 @@ class Stage(Picture):
         ways = directions / np.linalg.norm(directions.astype(float), axis=1, keepdims=True)
         angles = (np.full(len(places), angle) for angle in (inner, outer))
         self._spots.append((places.astype(float), ways, *angles))
+
+    def suns(self, ways: np.ndarray, irradiance: Any) -> None:
+        """Directional lights. ways: (N, 3), to them; irradiance: of what faces them."""
+        of_each = np.broadcast_to(np.float32(irradiance), len(ways))
+        for way, value in zip(np.float32(ways).tolist(), of_each.tolist(), strict=True):
+            self.scene.add_directional_light((-way[0], -way[1], -way[2]), (value,) * 3)
+        cosines = ways[:, 1] / np.linalg.norm(ways, axis=1)
+        self._suns += float(of_each.astype(float) @ np.maximum(cosines, 0.0))
 
     def triangles(
         self, corners: np.ndarray, radiance: float | np.ndarray, whole: np.ndarray | None = None,
@@ -130,7 +139,8 @@ class Stage(Picture):
         """The mean of the image."""
         if self._material or self._plates:
             return self._sum_of_small_parts()
-        total = sum(self._of_points(*lights) for lights in self._points)
+        total = self._suns
+        total += sum(self._of_points(*lights) for lights in self._points)
         total += sum(self._of_spots(*lights) for lights in self._spots)
         if self._triangles:
             lights = [np.concatenate(parts) for parts in zip(*self._triangles, strict=True)]

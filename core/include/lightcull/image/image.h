@@ -38,6 +38,10 @@ LIGHTCULL_EXPORT Image read_image(const std::string& path, bool linear_data = fa
 /// The same, with 8 and 16 bits as they are: sRGB, or numbers.
 LIGHTCULL_EXPORT StoredImage read_stored_image(const std::string& path);
 
+/// Reads a layer of an OpenEXR file of several layers or parts: the channels NAME.R, NAME.G and
+/// NAME.B, whatever stands before NAME and a point. Throws Error with the path and the reason.
+LIGHTCULL_EXPORT Image read_layer(const std::string& path, const std::string& name);
+
 /// Writes an OpenEXR file, with `metadata` as string attributes. The file appears whole or not at
 /// all. Throws Error with the path and the reason.
 LIGHTCULL_EXPORT void write_exr(const std::string& path, const Image& image, PixelType type,

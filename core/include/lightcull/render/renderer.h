@@ -36,7 +36,8 @@ struct RenderSettings {
 
 struct RenderStats {
     std::uint64_t passes = 0;        ///< samples per pixel so far
-    double seconds = 0.0;            ///< wall time of render_pass(), the sampler's refits included
+    double seconds = 0.0;            ///< wall time of render_pass() and restart(), the sampler's
+                                     ///< refits included
     double sampler_seconds = 0.0;    ///< part of `seconds` that refits and selections take
     double selection_seconds = 0.0;  ///< time in LightSampler::select(), summed over threads
     std::uint64_t selections = 0;
@@ -70,8 +71,15 @@ class LIGHTCULL_EXPORT Renderer {
     ~Renderer();
 
     /// Renders one pass. If `cancel` becomes true meanwhile, the pass is dropped, the image and the
-    /// statistics stay what they were, and the answer is false.
+    /// statistics stay what they were, and the answer is false. Throws Error if the scene has been
+    /// moved since the image was begun.
     bool render_pass(const std::atomic<bool>* cancel = nullptr);
+
+    /// Begins another image, of the scene as it is after Scene::refit(), with a seed of its own: no
+    /// passes yet, and the sampler fitted to where the lights are (LightSampler::update). Other
+    /// calls than this throw or tell of the image before, once the scene has been moved. Throws
+    /// Error, and changes nothing, where the sampler cannot be updated.
+    LightUpdate restart(std::uint64_t seed);
 
     /// The mean of all passes, linear RGB, row 0 at the top: height * width. Black before the
     /// first pass.

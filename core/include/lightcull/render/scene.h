@@ -72,12 +72,15 @@ struct Mesh {
     Emission emission;
 };
 
-/// A thin lens looking from origin to target; a pinhole where aperture_radius is 0.
+/// A thin lens looking from origin to target; a pinhole where aperture_radius is 0. Orthographic
+/// where orthographic_height is above 0: its rays are parallel, start in the plane of the origin,
+/// and know neither a field of view nor a lens.
 struct Camera {
     float3 origin{0.0f, 0.0f, 1.0f}, target{0.0f, 0.0f, 0.0f}, up{0.0f, 1.0f, 0.0f};
-    float vertical_fov = 0.8f;     ///< radians, (0, pi)
-    float aperture_radius = 0.0f;  ///< metres
-    float focus_distance = 1.0f;   ///< metres
+    float vertical_fov = 0.8f;         ///< radians, (0, pi)
+    float aperture_radius = 0.0f;      ///< metres
+    float focus_distance = 1.0f;       ///< metres
+    float orthographic_height = 0.0f;  ///< metres that the image is high; 0: perspective
 };
 
 /// Radiance from infinity: scale * a latitude-longitude map, +Y up, the middle column towards -Z
@@ -94,10 +97,18 @@ struct SceneMemory {
     std::size_t bvh = 0;   ///< Embree's tree, of which there is none before commit()
 };
 
+/// What Scene::refit() did.
+struct SceneRefit {
+    bool rebuilt = false;  ///< Embree's tree was built anew
+    float growth = 1.0f;   ///< how loose the triangles that lay together had become before that,
+                           ///< relative to when the tree was last built: 1 is as tight
+};
+
 struct SceneData;
 
 /// Geometry, materials, emitters and a camera. Fill it, commit() it, then share it between any
-/// number of renderers and threads. Every add_ and set_ checks what it is given and throws Error.
+/// number of renderers and threads. Every add_ and set_ checks what it is given and throws Error,
+/// having changed nothing.
 class LIGHTCULL_EXPORT Scene {
   public:
     Scene();
@@ -121,8 +132,28 @@ class LIGHTCULL_EXPORT Scene {
     void set_environment(Environment environment);
     void set_camera(const Camera& camera);
 
-    /// Builds what rendering needs (Embree's tree, the lights). Nothing can be added after it.
+    /// Builds what rendering needs (Embree's tree, the lights). Nothing can be added after it; what
+    /// there is can be moved.
     void commit();
+
+    /// Moves the corners of a mesh, emissive or not: as many positions, metres, as it has.
+    /// `normals`, of a mesh that has shading normals: as many, or none to leave them as they are.
+    void set_mesh_positions(MeshId mesh, Span<const float3> positions,
+                            Span<const float3> normals = {});
+    /// Moves the points and spots: one position (metres) each, in the order in which they were
+    /// added.
+    void set_light_positions(Span<const float3> positions);
+    /// Turns the spots and directional lights: one direction each, of any length but 0, in the
+    /// order in which they were added.
+    void set_light_directions(Span<const float3> directions);
+    /// Fits what commit() built to all that was moved since, in a fraction of the time: the lights,
+    /// and Embree's tree, which keeps its topology. Call it before anything is rendered again, then
+    /// Renderer::restart(); no renderer may be at work from the first set_ to here. The tree is
+    /// built anew the first time, as one that can be fitted (tracing takes a little longer in it),
+    /// and where it has grown looser than `max_growth`. Triangles stay cut as they are: where a
+    /// lamp comes to hang right above a floor, a scene that is built there may have less noise.
+    /// Runs in the caller's TBB arena.
+    SceneRefit refit(float max_growth = 2.0f);
 
     /// The lights that samplers choose from, in the order in which they were added: every triangle
     /// whose radiance * face_radiance is not black, point, spot and directional light; the

@@ -12,10 +12,10 @@
 namespace lightcull {
 
 /// Lamps under a ceiling, of which a wall at x = 0 hides those on the other side.
-inline std::vector<Light> lamps() {
+inline std::vector<Light> lamps(int count = 600) {
     std::vector<Light> lights;
     RandomStream random(7);
-    for (int i = 0; i < 600; ++i) {
+    for (int i = 0; i < count; ++i) {
         const float3 at{8.0f * random.next() - 4.0f, 3.0f, 8.0f * random.next() - 4.0f};
         lights.push_back(point_light(at, 0.1f + random.next()));
     }

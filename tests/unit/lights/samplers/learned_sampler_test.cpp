@@ -60,8 +60,8 @@ Estimate estimate(const LightSampler& sampler, const std::vector<Light>& lights,
 
 }  // namespace
 
-TEST_CASE("learned without reports is culled, to the bit") {
-    const std::vector<Light> lights = lamps();
+TEST_CASE("learned without reports is culled, to the bit, where there are many lights") {
+    const std::vector<Light> lights = lamps(9000);
     const std::vector<ShadingPoint> points = floor_points(500);
     const auto learned = make_sampler("learned", lights), culled = make_sampler("culled", lights);
     const std::vector<float> u = numbers(points.size(), 3);
@@ -75,6 +75,33 @@ TEST_CASE("learned without reports is culled, to the bit") {
             REQUIRE(a.prob == b.prob);
         }
     }
+}
+
+TEST_CASE("learned without reports weighs up to some thousand lights by one cut") {
+    const std::vector<Light> lights = lamps();
+    const std::vector<ShadingPoint> points = floor_points(4000);
+    const auto sampler = make_sampler("learned", lights), culled = make_sampler("culled", lights);
+    sampler->begin_pass(0);
+    culled->begin_pass(0);
+    const std::vector<float> u = numbers(points.size(), 5);
+    std::vector<Selection> chosen(points.size());
+    sampler->select(points, u, chosen);
+    for (std::size_t i = 0; i < 100; ++i) {
+        const Selection one = sampler->select(points[i], u[i]);
+        CHECK((one.light == chosen[i].light && one.prob == chosen[i].prob));
+        CHECK(sampler->knows(one.receipt));
+        CHECK_FALSE(culled->knows(one.receipt));
+        CHECK(sampler->prob(points[i], one.receipt, one.light) == doctest::Approx(one.prob));
+        double sum = 0.0;
+        for (std::uint32_t light = 0; light < lights.size(); ++light) {
+            sum += double{sampler->prob(points[i], one.receipt, light)};
+        }
+        CHECK(sum == doctest::Approx(1.0).epsilon(1e-4));
+    }
+    const Estimate e = estimate(*sampler, lights, points, 10);
+    CHECK(std::abs(e.mean - 1.0) < 4.0 * e.sigma);
+    const auto means = make_sampler("light_bvh:importance=means", lights);
+    CHECK(e.variance < 1.05 * estimate(*means, lights, points, 10).variance);
 }
 
 TEST_CASE("learned is unbiased for what it was told, true or not") {
@@ -140,19 +167,18 @@ TEST_CASE("learned: where there are few lights, each is weighed as exhaustive we
     lights.resize(100);
     const std::vector<ShadingPoint> points = floor_points(4000);
     const auto sampler = make_sampler("learned", lights);
-    for (std::uint64_t pass = 0; pass < 2; ++pass) {
+    for (std::uint64_t pass = 0; pass < 3; ++pass) {
         sampler->begin_pass(pass);
+        for (std::size_t i = 0; i < 50; ++i) {
+            double sum = 0.0;
+            for (const Light& light : lights) sum += given(points[i], light);
+            const Selection chosen = sampler->select(points[i], 0.3f);
+            const double prob = given(points[i], lights[chosen.light]) / sum;
+            CHECK(double{chosen.prob} == doctest::Approx(prob).epsilon(1e-3));
+        }
         auto outcomes = outcomes_of(*sampler, lights, points, pass);
         for (LightOutcome& outcome : outcomes) outcome.visibility = 1.0f;
         sampler->report(outcomes);
-    }
-    sampler->begin_pass(2);
-    for (std::size_t i = 0; i < 50; ++i) {
-        double sum = 0.0;
-        for (const Light& light : lights) sum += given(points[i], light);
-        const Selection chosen = sampler->select(points[i], 0.3f);
-        const double prob = given(points[i], lights[chosen.light]) / sum;
-        CHECK(double{chosen.prob} == doctest::Approx(prob).epsilon(1e-3));
     }
 }
 
@@ -212,6 +238,48 @@ TEST_CASE("learned comes to rest after its rounds") {
     const Selection after = sampler->select(points[0], 0.5f);
     CHECK(before.light == after.light);
     CHECK(before.prob == after.prob);
+}
+
+TEST_CASE("learned: after an update it learns anew, also from rest") {
+    // Of two lights above a wall each is a cluster of its own. First the one is hidden, then the
+    // other; what was learned counts for eight rays.
+    std::vector<Light> lights = {point_light({-1, 1, 0}, 1.0f), point_light({1, 1, 0}, 1.0f)};
+    for (int i = 0; i < 4; ++i) lights.push_back(point_light({0, -1, 0}, 1.0f));  // not of use
+    ShadingPoint point;
+    point.position = {0.1f, 0.0f, 0.1f};
+    point.normal = {0, 1, 0};
+    for (const char* const description : {"learned", "learned:rounds=3"}) {
+        CAPTURE(description);
+        const auto sampler = make_sampler(description, lights);
+        std::uint64_t pass = 0;
+        const auto look = [&](std::uint32_t light, int tries, float visibility) {
+            const Receipt receipt = sampler->select(point, 0.5f).receipt;
+            const LightOutcome outcome{point.position, point.normal, receipt, light, visibility};
+            for (int i = 0; i < tries; ++i) sampler->report({&outcome, 1});
+            sampler->begin_pass(++pass);
+        };
+        const auto visibility = [&](std::uint32_t light) {
+            return double{sampler_info(*sampler)->learned_visibility(point, light)};
+        };
+        look(0, 1, 0.0f);  // makes the cell
+        look(0, 180, 0.0f);
+        look(0, 180, 0.0f);
+        CHECK(visibility(0) == doctest::Approx(0.02 * 0.02));
+        const bool rests = description != std::string("learned");
+        CHECK(sampler->wants_reports() == !rests);
+        lights[1].center.x += 0.01f;
+        CHECK_FALSE(sampler->update(lights).rebuilt);
+        sampler->begin_pass(++pass);
+        CHECK(sampler->wants_reports());
+        CHECK(visibility(0) == doctest::Approx(0.02 * 0.02));  // until there is news
+        look(0, 24, 1.0f);
+        CHECK(visibility(0) == doctest::Approx((24.0 + 0.1) / (32.0 + 0.1)).epsilon(0.01));
+        // Rounds are counted anew.
+        CHECK(sampler->wants_reports());
+        look(0, 1, 1.0f);
+        look(0, 1, 1.0f);
+        CHECK(sampler->wants_reports() == !rests);
+    }
 }
 
 TEST_CASE("learned: what was saved goes on to the bit, reports under way included") {

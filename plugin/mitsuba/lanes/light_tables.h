@@ -1,7 +1,9 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <utility>
 #include <vector>
 
@@ -30,14 +32,14 @@ class LightTables {
 
     Entry find(const EmitterPtr& emitter, const Mask& active) const {
         const UInt32 id = dr::reinterpret_array<UInt32>(emitter);
-        return {dr::gather<UInt32>(kinds_, id, active),
-                dr::gather<UInt32>(first_lights_, id, active),
-                dr::gather<Float>(probs_, id, active)};
+        const auto entry = dr::gather<dr::Array<UInt32, kEntryWords>>(entries_, id, active);
+        return {entry[0], entry[1], dr::reinterpret_array<Float>(entry[2])};
     }
 
     bool has_triangles() const { return has_triangles_; }
     bool has_wholes() const { return has_wholes_; }
     bool has_unplaced() const { return unplaced_count_ != 0; }
+    bool has_several_unplaced() const { return unplaced_count_ > 1; }
 
     /// Chooses one of the unplaced emitters, of which there must be some, by a number in [0, 1);
     /// returns it and its probability.
@@ -76,9 +78,9 @@ class LightTables {
     void load_triangles(const SceneLights<Float, Spectrum>& lights);
     void load_unplaced(const SceneLights<Float, Spectrum>& lights);
 
-    // These are indexed by the emitter's place in Dr.Jit's registry.
-    UInt32 kinds_, first_lights_;
-    Float probs_;
+    // By the emitter's place in Dr.Jit's registry: the words of Entry, and one more.
+    static constexpr std::size_t kEntryWords = 4;
+    UInt32 entries_;
     // These are indexed by light.
     EmitterPtr emitters_;
     UInt32 triangles_;
@@ -105,23 +107,22 @@ void LightTables<Float, Spectrum>::load_sources(const Scene* scene,
     for (const auto& emitter : scene->emitters()) {
         ids = std::max(ids, jit_registry_id(emitter.get()) + 1);
     }
-    std::vector<std::uint32_t> kinds(ids, kOnlyHit), first_lights(ids, 0);
-    std::vector<float> probs(ids, 0.0f);
+    std::vector<std::uint32_t> entries(kEntryWords * ids, 0);
+    const auto set = [&](const Emitter* emitter, std::uint32_t kind, std::uint32_t first_light,
+                         float prob) {
+        std::uint32_t* const entry = &entries[kEntryWords * jit_registry_id(emitter)];
+        entry[0] = kind;
+        entry[1] = first_light;
+        std::memcpy(&entry[2], &prob, sizeof prob);
+    };
     for (const auto& source : lights.sources()) {
-        const std::uint32_t id = jit_registry_id(source.emitter);
-        kinds[id] = source.mesh ? kTriangles : kWhole;
-        first_lights[id] = source.first;
+        set(source.emitter, source.mesh ? kTriangles : kWhole, source.first, 0.0f);
         (source.mesh ? has_triangles_ : has_wholes_) = true;
     }
-    for (const auto& unplaced : lights.unplaced()) {
-        const std::uint32_t id = jit_registry_id(unplaced.emitter);
-        kinds[id] = kUnplaced;
-        probs[id] = unplaced.prob;
-    }
-    kinds_ = dr::load<UInt32>(kinds.data(), ids);
-    first_lights_ = dr::load<UInt32>(first_lights.data(), ids);
-    probs_ = dr::load<Float>(probs.data(), ids);
-    dr::sync_thread();  // the vectors must live until they are copied
+    for (const auto& unplaced : lights.unplaced())
+        set(unplaced.emitter, kUnplaced, 0, unplaced.prob);
+    entries_ = dr::load<UInt32>(entries.data(), entries.size());
+    dr::sync_thread();  // the vector must live until it is copied
 }
 
 template <typename Float, typename Spectrum>

@@ -2,9 +2,9 @@
 
 #include <mitsuba/core/warp.h>
 
+#include "lanes/chosen_light.h"
+#include "lanes/light_tables.h"
 #include "scene/triangle_pdf.h"
-#include "wavefront/lane_selector.h"
-#include "wavefront/light_tables.h"
 
 namespace mitsuba::culling {
 
@@ -37,7 +37,7 @@ class LaneLights {
     explicit LaneLights(const LightTables<Float, Spectrum>& tables) : tables_(tables) {}
 
     /// Samples the lights that were chosen.
-    Sample sample_chosen(const SurfaceInteraction3f& si, const LaneSelector::Chosen& chosen,
+    Sample sample_chosen(const SurfaceInteraction3f& si, const ChosenLight<Float>& chosen,
                          const Point2f& random, const Mask& active) const {
         const Mask found = active && chosen.prob > 0.0f;
         const EmitterPtr emitter = tables_.emitter(chosen.light, found);
@@ -55,7 +55,7 @@ class LaneLights {
             sample_triangle(si, emitter, triangle, chosen, random, found && is_triangle));
     }
 
-    /// Samples one of the emitters without a place.
+    /// Samples one of the emitters without a place. The first number chooses among several.
     Sample sample_unplaced(const SurfaceInteraction3f& si, const Float& random_1,
                            const Point2f& random_2, const Mask& active) const {
         const auto [emitter, prob] = tables_.unplaced(random_1);
@@ -64,7 +64,7 @@ class LaneLights {
 
   private:
     Sample sample_triangle(const SurfaceInteraction3f& si, const EmitterPtr& emitter,
-                           const UInt32& triangle, const LaneSelector::Chosen& chosen,
+                           const UInt32& triangle, const ChosenLight<Float>& chosen,
                            const Point2f& random, const Mask& active) const {
         const Point2f uv = warp::square_to_uniform_triangle(random);
         Sample sample;

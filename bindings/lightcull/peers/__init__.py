@@ -1,0 +1,1 @@
+"""Other renderers, of which the same scene is shown, for comparison."""

@@ -1,0 +1,248 @@
+#include "loop/trace_loop.h"
+
+#include <mitsuba/render/bsdf.h>
+#include <mitsuba/render/sampler.h>
+
+#include "arrays/variants.h"
+#include "lanes/lane_lights.h"
+#include "paths/mis_weight.h"
+#include "scene/surface_receiver.h"
+#include "scene/triangle_pdf.h"
+
+namespace mitsuba::culling {
+namespace {
+
+/// The state of the paths, which the loop carries from bounce to bounce.
+template <typename Float_, typename Spectrum_>
+struct LoopState {
+    using Float = Float_;
+    using Spectrum = Spectrum_;
+    MI_IMPORT_TYPES(Sampler)
+
+    Ray3f ray;
+    Spectrum throughput, result;
+    Float eta;
+    UInt32 depth;
+    Mask valid;
+    // The last vertex, for the weight of what its ray hits.
+    Interaction3f last;
+    Receiver<Float> receiver;
+    Float bsdf_pdf;
+    Mask weigh;
+    Mask active;
+    Sampler* sampler;
+
+    // NOLINTNEXTLINE(performance-noexcept-move-constructor)
+    DRJIT_STRUCT(LoopState, ray, throughput, result, eta, depth, valid, last, receiver, bsdf_pdf,
+                 weigh, active, sampler)
+};
+
+/// A bounce of all paths. Where light is added, and in depths, roulette and weights, it does what
+/// Mitsuba's `path` does.
+template <typename Float, typename Spectrum>
+class Bounce {
+  public:
+    MI_IMPORT_TYPES(Scene, Sampler, Emitter, EmitterPtr, BSDF, BSDFPtr, Shape, ShapePtr)
+
+    using State = LoopState<Float, Spectrum>;
+    using Tables = LightTables<Float, Spectrum>;
+    using Sample = LightSample<Float, Spectrum>;
+
+    Bounce(const PathContext<Float, Spectrum>& context, const Tables& tables,
+           const LightBvhArrays<Float>& bvh)
+        : context_(context), tables_(tables), bvh_(bvh), lights_(tables) {}
+
+    State start(const RayDifferential3f& rays, Sampler* sampler, const Mask& active) const {
+        const Mask valid = !context_.hide_emitters && context_.scene->environment() != nullptr;
+        return {Ray3f(rays),
+                1.0f,
+                0.0f,
+                1.0f,
+                0u,
+                valid,
+                dr::zeros<Interaction3f>(),
+                dr::zeros<Receiver<Float>>(),
+                1.0f,
+                false,
+                active,
+                sampler};
+    }
+
+    void operator()(State& paths) const {
+        SurfaceInteraction3f si = find_hits(paths);
+        const Mask sees_emitter = add_emission(paths, si);
+        const Mask goes_on = paths.active && paths.depth + 1u < context_.max_depth && si.is_valid();
+        if (!context_.hide_emitters) paths.valid |= paths.active && !goes_on && sees_emitter;
+        shade(paths, si, goes_on);
+        paths.depth += 1u;
+    }
+
+  private:
+    SurfaceInteraction3f find_hits(const State& paths) const {
+        const Mask is_first = paths.depth == 0u;
+        PreliminaryIntersection3f hit = context_.scene->ray_intersect_preliminary(
+            paths.ray, is_first, false, 0, 0, paths.active);
+        if (context_.hide_emitters) {
+            const Mask skip =
+                paths.active && is_first && hit.is_valid() && hit.shape->emitter() != nullptr;
+            const SurfaceInteraction3f si =
+                hit.compute_surface_interaction(paths.ray, +RayFlags::Minimal, skip);
+            dr::masked(hit, skip) = context_.integrator->skip_area_emitters(
+                context_.scene, si.spawn_ray(paths.ray.d), true, skip);
+        }
+        return hit.compute_surface_interaction(paths.ray, +RayFlags::All, paths.active);
+    }
+
+    /// Adds the light of what the rays have hit, or of the environment; says where there was any.
+    Mask add_emission(State& paths, const SurfaceInteraction3f& si) const {
+        const EmitterPtr emitter = si.emitter(context_.scene, paths.active);
+        const Mask is_there = emitter != nullptr;
+        const Mask shines = paths.active && is_there && paths.bsdf_pdf > 0.0f;
+        const Float weight = dr::select(
+            paths.weigh,
+            mis_weight(paths.bsdf_pdf, light_pdf(paths, si, emitter, shines && paths.weigh)), 1.0f);
+        dr::masked(paths.result, shines) =
+            paths.result + paths.throughput * emitter->eval(si, shines) * weight;
+        return is_there;
+    }
+
+    /// The density with which the last vertices would have sampled what was hit as a light.
+    Float light_pdf(const State& paths, const SurfaceInteraction3f& si, const EmitterPtr& emitter,
+                    const Mask& weigh) const {
+        const DirectionSample3f ds(context_.scene, si, paths.last);
+        const auto entry = tables_.find(emitter, weigh);
+        const Mask triangle = weigh && entry.kind == Tables::kTriangles;
+        const Mask whole = weigh && entry.kind == Tables::kWhole;
+        const Mask unplaced = weigh && entry.kind == Tables::kUnplaced;
+        const Mask is_light = triangle || whole;
+        Float pdf = 0.0f;
+        if (tables_.has_wholes() || tables_.has_unplaced()) {
+            pdf = dr::select(unplaced, entry.prob, 1.0f) *
+                  emitter->pdf_direction(paths.last, ds, whole || unplaced);
+        }
+        const UInt32 light = entry.first_light + dr::select(triangle, si.prim_index, 0u);
+        if (tables_.has_triangles()) {
+            dr::masked(pdf, triangle) =
+                triangle_pdf(tables_.area(light, triangle), si.n, ds.d, ds.dist);
+        }
+        dr::masked(pdf, !(is_light || unplaced)) = 0.0f;
+        if (has_choice()) {
+            dr::masked(pdf, is_light) =
+                pdf * bvh_.prob(paths.last.p, paths.receiver, light, is_light);
+        }
+        return pdf;
+    }
+
+    /// Adds direct light, and scatters the paths.
+    void shade(State& paths, SurfaceInteraction3f& si, const Mask& active) const {
+        const BSDFPtr bsdf = si.bsdf(paths.ray);
+        const BSDFContext context;
+        const UInt32 flags = bsdf->flags();
+        const Mask smooth = active && has_flag(flags, BSDFFlags::Smooth);
+        if (has_choice()) {
+            paths.receiver = context_.has_lobes
+                                 ? glossy_receiver<Float, Spectrum>(si, bsdf, flags, smooth)
+                                 : matte_receiver<Float, Spectrum>(si, flags);
+        }
+        if (has_lights() && tables_.has_unplaced()) {
+            const Sample sample = sample_unplaced(paths, si, smooth);
+            const auto [value, pdf] =
+                bsdf->eval_pdf(context, si, si.to_local(sample.direction), sample.active);
+            add_if_visible(paths, si, sample, value, pdf);
+        }
+        Sample sample = dr::zeros<Sample>();
+        if (has_lights()) {
+            sample = sample_light(paths, si, smooth);
+        } else if (tables_.has_unplaced()) {
+            sample = sample_unplaced(paths, si, smooth);
+        }
+        const Float random_1 = paths.sampler->next_1d();
+        const Point2f random_2 = paths.sampler->next_2d();
+        const auto [value, pdf, next, weight] = bsdf->eval_pdf_sample(
+            context, si, si.to_local(sample.direction), random_1, random_2, active);
+        add_if_visible(paths, si, sample, value, pdf);
+        advance(paths, si, next, weight, smooth, active);
+    }
+
+    bool has_lights() const { return !context_.lights->lights().empty(); }
+    bool has_choice() const { return context_.lights->lights().size() > 1; }
+
+    Sample sample_light(const State& paths, const SurfaceInteraction3f& si,
+                        const Mask& active) const {
+        ChosenLight<Float> chosen{0u, 1.0f, 1.0f};
+        if (has_choice()) {
+            const Float random_1 = paths.sampler->next_1d(), random_2 = paths.sampler->next_1d();
+            chosen = bvh_.choose(si.p, paths.receiver, random_1, random_2, active);
+        }
+        return lights_.sample_chosen(si, chosen, paths.sampler->next_2d(), active);
+    }
+
+    Sample sample_unplaced(const State& paths, const SurfaceInteraction3f& si,
+                           const Mask& active) const {
+        const Float random =
+            tables_.has_several_unplaced() ? paths.sampler->next_1d() : Float(0.0f);
+        return lights_.sample_unplaced(si, random, paths.sampler->next_2d(), active);
+    }
+
+    void add_if_visible(State& paths, const SurfaceInteraction3f& si, const Sample& sample,
+                        const Spectrum& bsdf_value, const Float& bsdf_pdf) const {
+        const Spectrum light = paths.throughput * bsdf_value * sample.weight *
+                               dr::select(sample.delta, 1.0f, mis_weight(sample.pdf, bsdf_pdf));
+        const Mask traced = sample.active && dr::any(light != 0.0f);
+        const Mask arrived = traced && !context_.scene->ray_test(si.spawn_ray_to(sample.p), traced);
+        dr::masked(paths.result, arrived) = paths.result + light;
+    }
+
+    /// Moves the paths on to their next rays, and plays roulette.
+    void advance(State& paths, const SurfaceInteraction3f& si, const BSDFSample3f& next,
+                 const Spectrum& weight, const Mask& smooth, const Mask& active) const {
+        paths.ray = si.spawn_ray(si.to_world(next.wo));
+        paths.throughput *= weight;
+        paths.eta *= next.eta;
+        paths.valid |= active && !has_flag(next.sampled_type, BSDFFlags::Null);
+        paths.last = Interaction3f(si);
+        paths.bsdf_pdf = next.pdf;
+        paths.weigh = smooth && !has_flag(next.sampled_type, BSDFFlags::Delta);
+
+        const Float largest = dr::max(paths.throughput);
+        const Float survival = dr::minimum(largest * dr::square(paths.eta), 0.95f);
+        const Mask plays = paths.depth + 1u >= context_.rr_depth;
+        const Mask survives = paths.sampler->next_1d() < survival;
+        dr::masked(paths.throughput, plays) = paths.throughput * dr::rcp(survival);
+        paths.active = active && largest > 0.0f && (!plays || survives);
+    }
+
+    const PathContext<Float, Spectrum>& context_;
+    const Tables& tables_;
+    const LightBvhArrays<Float>& bvh_;
+    LaneLights<Float, Spectrum> lights_;
+};
+
+}  // namespace
+
+template <typename Float, typename Spectrum>
+std::pair<Spectrum, dr::mask_t<Float>> trace_loop(
+    const PathContext<Float, Spectrum>& context, Sampler<Float, Spectrum>* sampler,
+    const RayDifferential<Point<Float, 3>, Spectrum>& rays,
+    const LightTables<Float, Spectrum>& tables, const LightBvhArrays<Float>& bvh,
+    const dr::mask_t<Float>& active) {
+    using State = LoopState<Float, Spectrum>;
+    const dr::suspend_grad<Float> no_derivatives;
+    const Bounce<Float, Spectrum> bounce(context, tables, bvh);
+    State paths = bounce.start(rays, sampler, active);
+    dr::tie(paths) = dr::while_loop(
+        dr::make_tuple(paths), [](const State& state) { return state.active; },
+        [&bounce](State& state) { bounce(state); }, "lightcull: bounces");
+    return {dr::select(paths.valid, paths.result, 0.0f), paths.valid};
+}
+
+// NOLINTBEGIN(bugprone-macro-parentheses)
+#define INSTANTIATE(Float, Spectrum)                                                            \
+    template std::pair<Spectrum, dr::mask_t<Float>> trace_loop<Float, Spectrum>(                \
+        const PathContext<Float, Spectrum>&, Sampler<Float, Spectrum>*,                         \
+        const RayDifferential<Point<Float, 3>, Spectrum>&, const LightTables<Float, Spectrum>&, \
+        const LightBvhArrays<Float>&, const dr::mask_t<Float>&);
+LIGHTCULL_LLVM_VARIANTS(INSTANTIATE)
+// NOLINTEND(bugprone-macro-parentheses)
+
+}  // namespace mitsuba::culling

@@ -1,0 +1,471 @@
+"""Mitsuba's .xml scenes are rendered as they are written."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+mi = pytest.importorskip("mitsuba", reason="Mitsuba is not installed")
+
+import lightcull  # noqa: E402
+from lightcull.camera import View  # noqa: E402
+from lightcull.loaders.completion import surround  # noqa: E402
+from lightcull.mitsuba import MitsubaScene, import_scene, load_file  # noqa: E402
+
+SPP = 64
+TOLERANCE = 0.01
+"""Of the mean of an image, relative: eight standard errors. The seeds are fixed."""
+
+STAGE = """
+<sensor type="perspective" id="front">
+  <transform name="to_world"><lookat origin="0, 2, 6" target="0, 0.6, 0" up="0, 1, 0"/></transform>
+  <film type="hdrfilm"><integer name="width" value="64"/><integer name="height" value="48"/></film>
+</sensor>
+<emitter type="constant"><rgb name="radiance" value="0.5"/></emitter>
+<shape type="rectangle">
+  <transform name="to_world"><scale value="4"/><rotate x="1" angle="-90"/></transform>
+  <bsdf type="diffuse"><rgb name="reflectance" value="0.8"/></bsdf>
+</shape>
+<shape type="cube">
+  <transform name="to_world"><scale value="0.5"/><translate y="0.5"/></transform>
+  <bsdf type="diffuse"><rgb name="reflectance" value="0.8"/></bsdf>
+</shape>
+<shape type="rectangle">
+  <transform name="to_world">
+    <scale value="0.3"/><rotate x="1" angle="90"/><translate y="1.8"/>
+  </transform>
+  <emitter type="area"><rgb name="radiance" value="5"/></emitter>
+</shape>
+"""
+DEPTH_2 = '<integer name="max_depth" value="2"/>'
+DEPTH_3 = '<integer name="max_depth" value="3"/>'
+PATH_OF_2 = f'<integrator type="path">{DEPTH_2}</integrator>'
+PATH_OF_3 = f'<integrator type="path">{DEPTH_3}</integrator>'
+HIDDEN = '<boolean name="hide_emitters" value="true"/>'
+FOG = """
+<shape type="sphere">
+  <point name="center" x="1.2" y="0.6" z="1"/><float name="radius" value="0.6"/>
+  <bsdf type="null"/>
+  <medium type="homogeneous" name="interior">
+    <float name="sigma_t" value="5"/><rgb name="albedo" value="0.9"/>
+  </medium>
+</shape>
+"""
+
+
+def write(folder: Path, integrator: str, stage: str = STAGE, name: str = "scene.xml") -> Path:
+    path = folder / name
+    path.write_text(f'<scene version="3.0.0">{integrator}{stage}</scene>')
+    return path
+
+
+def loaded(path: Path, **options: object) -> tuple[MitsubaScene, str]:
+    """A scene, and what was said of it."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        scene = load_file(path, **options)
+    assert len(caught) <= 1
+    return scene, "".join(str(warning.message) for warning in caught)
+
+
+def mean(scene: MitsubaScene | lightcull.Scene) -> float:
+    return float(lightcull.render(scene, spp=SPP).image.mean())
+
+
+def mean_by_mitsuba(path: Path, **parameters: str) -> float:
+    mi.set_variant("scalar_rgb")
+    scene = mi.load_file(str(path), **parameters)
+    return float(np.array(mi.render(scene, spp=SPP, seed=7))[..., :3].mean())
+
+
+@pytest.mark.parametrize(
+    ("integrator", "expected"),
+    [
+        (PATH_OF_2, 0.4313),
+        (f'<integrator type="path">{DEPTH_3}{HIDDEN}</integrator>', 0.239),
+        ('<integrator type="path"><integer name="rr_depth" value="2"/></integrator>', 0.4515),
+        ('<integrator type="path"/>', 0.4515),
+        ("", 0.4515),
+        ('<integrator type="direct"/>', 0.4313),
+        (f'<integrator type="direct">{HIDDEN}</integrator>', None),
+        (f'<integrator type="volpath">{DEPTH_3}{HIDDEN}</integrator>', 0.239),
+        (f'<integrator type="volpathmis">{DEPTH_2}</integrator>', 0.4313),
+    ],
+)
+def test_integrators_hold(tmp_path: Path, integrator: str, expected: float | None) -> None:
+    path = write(tmp_path, integrator)
+    scene, said = loaded(path)
+    assert said == ""
+    found = mean(scene)
+    if integrator:  # Mitsuba renders nothing without one
+        assert found == pytest.approx(mean_by_mitsuba(path), rel=TOLERANCE)
+    if expected is not None:
+        assert found == pytest.approx(expected, rel=0.015)
+
+
+@pytest.mark.parametrize(
+    ("around", "named"),
+    [
+        ('<integrator type="moment">{}</integrator>', "second moments"),
+        (
+            '<integrator type="aov"><string name="aovs" value="d:depth"/>{}</integrator>',
+            "channels of the integrator 'aov'",
+        ),
+    ],
+)
+def test_integrators_within_others_hold(tmp_path: Path, around: str, named: str) -> None:
+    inner = f'<integrator type="path">{DEPTH_2}{HIDDEN}</integrator>'
+    scene, said = loaded(write(tmp_path, around.format(inner)))
+    assert named in said
+    assert (scene.integrator.max_depth, scene.integrator.hide_emitters) == (2, True)
+    plain, _ = loaded(write(tmp_path, inner))
+    assert mean(scene) == pytest.approx(mean(plain), rel=TOLERANCE)
+
+
+def test_an_integrator_in_an_include_holds(tmp_path: Path) -> None:
+    write(tmp_path, PATH_OF_2, "", "part.xml")
+    scene, said = loaded(write(tmp_path, '<include filename="part.xml"/>'))
+    assert said == ""
+    assert mean(scene) == pytest.approx(0.4313, rel=0.015)
+
+
+@pytest.mark.parametrize(
+    ("integrator", "named"),
+    [
+        ('<integrator type="depth"/>', "'depth' shows no light"),
+        (f'<integrator type="ptracer">{DEPTH_2}</integrator>', "'ptracer' is not lightcull's"),
+        (f'<integrator type="bdpt">{DEPTH_2}</integrator>', "'bdpt' is not lightcull's"),
+        (
+            '<integrator type="direct"><integer name="emitter_samples" value="4"/></integrator>',
+            "emitter_samples of the integrator 'direct'",
+        ),
+        (
+            '<integrator type="path"><float name="timeout" value="3"/></integrator>',
+            "timeout of the integrator 'path'",
+        ),
+    ],
+)
+def test_what_does_not_hold_of_an_integrator_is_named(
+    tmp_path: Path, integrator: str, named: str
+) -> None:
+    scene, said = loaded(write(tmp_path, integrator))
+    assert named in said and "\n" not in said
+    assert scene.integrator.max_depth == (2 if "direct" in integrator or DEPTH_2 in integrator
+                                          else 2**31 - 1)  # fmt: skip
+
+
+def test_integrators_with_derivatives_are_paths_in_any_variant(tmp_path: Path) -> None:
+    scene, said = loaded(write(tmp_path, f'<integrator type="prb">{DEPTH_2}</integrator>'))
+    assert said == ""
+    assert mean(scene) == pytest.approx(0.4313, rel=0.015)
+
+
+def test_media_are_rendered_by_mitsuba_itself(tmp_path: Path) -> None:
+    path = write(tmp_path, f'<integrator type="volpath">{DEPTH_2}</integrator>', STAGE + FOG)
+    scene, said = loaded(path)
+    assert "media" in said and "volpath" in said
+    assert scene.best_sampler == "path"
+    assert mean(scene) == pytest.approx(mean_by_mitsuba(path), rel=TOLERANCE)
+    with pytest.raises(lightcull.Error, match="not for the media"):
+        lightcull.render(scene, "learned", spp=1)
+
+
+def test_what_a_call_says_comes_before_the_file(tmp_path: Path) -> None:
+    scene, _ = loaded(write(tmp_path, PATH_OF_2))
+    result = lightcull.render(scene, spp=1, size=(8, 6), max_depth=1)
+    assert result.max_depth == 1 and result.image.shape == (6, 8, 3)
+
+
+PARAMETER = (
+    '<default name="depth" value="3"/>'
+    '<integrator type="path"><integer name="max_depth" value="$depth"/></integrator>'
+)
+
+
+def test_parameters_have_defaults_and_can_be_set(tmp_path: Path) -> None:
+    path = write(tmp_path, PARAMETER)
+    assert loaded(path)[0].integrator.max_depth == 3
+    given = loaded(path, parameters={"depth": "2"})[0]
+    assert given.integrator.max_depth == 2
+    assert given.digest() != loaded(path)[0].digest()
+    with pytest.raises(lightcull.Error, match=r"scene\.xml: .*unused parameters: - \$other=1"):
+        load_file(path, parameters={"other": "1"})
+
+
+@pytest.mark.parametrize(
+    ("pixel_format", "is_grey"),
+    [
+        ("luminance", True),
+        ("luminance_alpha", True),
+        ("rgba", False),
+        ("xyz", False),
+        ("xyza", False),
+    ],
+)
+def test_films_of_other_pixel_formats(tmp_path: Path, pixel_format: str, is_grey: bool) -> None:
+    """A red light: 0.2126 of it is its luminance (ITU-R BT.709)."""
+    red = STAGE.replace('value="0.5"/></emitter>', 'value="0.5, 0, 0"/></emitter>').replace(
+        'name="radiance" value="5"', 'name="radiance" value="5, 0, 0"'
+    )
+    film = f'<film type="hdrfilm"><string name="pixel_format" value="{pixel_format}"/>'
+    integrator = PATH_OF_2
+    scene, _ = loaded(write(tmp_path, integrator, red.replace('<film type="hdrfilm">', film)))
+    image = lightcull.render(scene, spp=SPP).image
+    expected = 0.4313 * np.array([0.2126] * 3 if is_grey else [1, 0, 0])
+    assert image.shape == (48, 64, 3)
+    np.testing.assert_allclose(image.mean(axis=(0, 1)), expected, rtol=0.015, atol=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("integrator", "stage", "said"),
+    [
+        ('<integrator type="path"/>', "", "has no sensor"),
+        ('<integrator type="path"/>', STAGE.replace("hdrfilm", "specfilm"), "specfilm"),
+        ('<integrator type="path"/>', STAGE.replace("hdrfilm", "nonesuch"), 'Plugin "nonesuch"'),
+        ('<integrator type="path"><integer name="max_depth" value="0"/></integrator>', STAGE,
+         "max_depth of 0"),
+        ('<integrator type="path"><integer name="rr_depth" value="0"/></integrator>', STAGE,
+         "rr_depth of 0"),
+        ('<integrator type="path"><integer name="max_depth" value="$x"/></integrator>', STAGE,
+         r"undefined parameter: \$x"),
+        ('<integrator type="path"/><integrator type="direct"/>', STAGE, "Only one integrator"),
+        ("<integrator", "", "Parsing of XML"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_rendered_is_one_line(
+    tmp_path: Path, integrator: str, stage: str, said: str
+) -> None:
+    path = write(tmp_path, integrator, stage)
+    with pytest.raises(lightcull.Error, match=said) as caught:
+        lightcull.render(load_file(path), spp=1)
+    assert "\n" not in str(caught.value)
+
+
+def test_an_imported_scene_agrees_with_its_host(tmp_path: Path) -> None:
+    """Size and depths, too, which are the file's in both."""
+    for integrator in (PATH_OF_3, '<integrator type="direct"/>'):
+        host, _ = loaded(write(tmp_path, integrator))
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            ours = import_scene(host)
+        assert ours.name == "scene"
+        image = lightcull.render(ours, spp=SPP).image
+        assert image.shape == (48, 64, 3)
+        assert image.mean() == pytest.approx(mean(host), rel=TOLERANCE)
+        of_object = import_scene(host.scene)
+        assert of_object.file_settings == ours.file_settings
+
+
+def test_an_import_names_hidden_emitters(tmp_path: Path) -> None:
+    host, _ = loaded(write(tmp_path, f'<integrator type="path">{HIDDEN}</integrator>'))
+    with pytest.warns(lightcull.UnsupportedWarning, match="hide_emitters"):
+        import_scene(host)
+
+
+def command(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-m", "lightcull", *arguments],
+        cwd=folder,
+        env={**os.environ, "COLUMNS": "100"},
+        capture_output=True,
+        text=True,
+        timeout=300,
+    )
+
+
+def test_commands_take_parameters_and_tell_what_holds(tmp_path: Path) -> None:
+    write(tmp_path, PARAMETER)
+    told = command(tmp_path, "info", "scene.xml", "-D", "depth=4")
+    assert told.returncode == 0, told.stderr
+    for word in ("max_depth 4", "16 triangles", "ConstantBackgroundEmitter", "'front'", "64x48"):
+        assert word in told.stdout
+    done = command(
+        tmp_path, "render", "scene.xml", "--define", "depth=2", "--spp", "16", "-o", "a.exr"
+    )
+    assert done.returncode == 0, done.stderr
+    image = lightcull.read_image(tmp_path / "a.exr")
+    assert image.mean() == pytest.approx(0.4313, rel=0.03)
+    wrong = command(tmp_path, "render", "scene.xml", "-D", "depth", "--spp", "1")
+    assert wrong.returncode == 2 and "NAME=VALUE" in wrong.stderr
+    ours = command(tmp_path, "info", "cornell", "-D", "a=b")
+    assert ours.returncode == 1 and "--define is for an .xml" in ours.stderr
+    write(tmp_path, "", "", "empty.xml")
+    empty = command(tmp_path, "info", "empty.xml")
+    assert empty.returncode == 0 and "none" in empty.stdout
+
+
+SENSORS = STAGE + """
+<sensor type="orthographic" id="above">
+  <transform name="to_world">
+    <scale x="3" y="3"/><lookat origin="0, 5, 0" target="0, 0, 0" up="0, 0, -1"/>
+  </transform>
+  <film type="hdrfilm"><integer name="width" value="40"/><integer name="height" value="30"/></film>
+</sensor>
+<sensor type="thinlens" id="lens">
+  <float name="aperture_radius" value="0.2"/><float name="focus_distance" value="5"/>
+  <float name="fov" value="30"/>
+  <transform name="to_world"><lookat origin="3, 2, 4" target="0, 0.6, 0" up="0, 1, 0"/></transform>
+  <film type="hdrfilm"><integer name="width" value="40"/><integer name="height" value="30"/></film>
+</sensor>
+"""
+
+
+@pytest.mark.parametrize(("which", "number"), [("front", 0), ("above", 1), (1, 1), ("lens", 2)])
+def test_sensors_are_chosen_by_name_or_number_in_both_renderers(
+    tmp_path: Path, which: str | int, number: int
+) -> None:
+    host, _ = loaded(write(tmp_path, PATH_OF_2, SENSORS))
+    host.use_camera(which)
+    image = lightcull.render(host, spp=4 * SPP).image
+    expected = np.array(mi.render(host.scene, sensor=number, spp=4 * SPP, seed=7))[..., :3]
+    assert image.shape == expected.shape
+    assert image.mean() == pytest.approx(expected.mean(), rel=TOLERANCE)
+    ours = import_scene(host)
+    assert [camera.name for camera in ours.cameras] == ["front", "above", "lens"]
+    shown = lightcull.render(ours, spp=4 * SPP).image
+    assert shown.shape == expected.shape
+    assert abs(shown - expected).mean() < 0.05 * expected.mean()
+
+
+@pytest.mark.parametrize(
+    "camera",
+    [
+        lightcull.Camera((3, 2, 4), (0, 0.5, 0), vertical_fov=0.6),
+        lightcull.Camera((0, 3, 4), (0, 0, 0), orthographic_height=4.0),
+        View(origin=(3, 3, 4)),
+        View("lens", vertical_fov=0.9),
+    ],
+)
+def test_other_cameras_show_the_same_in_both_renderers(
+    tmp_path: Path, camera: lightcull.Camera | View
+) -> None:
+    path = write(tmp_path, PATH_OF_2, SENSORS)
+    host, _ = loaded(path)
+    before = host.digest()
+    host.use_camera(camera)
+    assert host.digest() != before
+    image = lightcull.render(host, spp=4 * SPP).image
+    shown = lightcull.render(import_scene(host), spp=4 * SPP).image
+    assert shown.shape == image.shape
+    assert abs(shown - image).mean() < 0.06 * image.mean()
+
+
+def test_a_camera_makes_up_for_a_sensor_that_is_missing(tmp_path: Path) -> None:
+    bare = STAGE[STAGE.index("<emitter") :]
+    host, _ = loaded(write(tmp_path, PATH_OF_2, bare))
+    with pytest.raises(lightcull.Error, match="has no sensor"):
+        lightcull.render(host, spp=1)
+    host.use_camera(View(origin=(0, 2, 6), target=(0, 0.6, 0)))
+    assert lightcull.render(host, spp=4).image.shape == (240, 320, 3)
+
+
+@pytest.mark.parametrize("given", ["0.2,0.4,0.8", "sky.exr", "studio", "none"])
+def test_other_surroundings_show_the_same_in_both_renderers(
+    tmp_path: Path, given: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    texels = np.random.default_rng(1).uniform(0, 2, (8, 16, 3)).astype(np.float32)
+    texels[:, :4] *= 5  # one side is brighter
+    lightcull.write_exr(tmp_path / "sky.exr", texels)
+    host, _ = loaded(write(tmp_path, PATH_OF_2))
+    before = host.digest()
+    host.surround(given, 0.5)
+    assert host.digest() != before
+    image = lightcull.render(host, spp=SPP).image
+    ours = import_scene(host)
+    assert ours.has_environment == (given != "none")
+    shown = lightcull.render(ours, spp=SPP).image
+    assert shown.mean() == pytest.approx(image.mean(), rel=0.02)
+    assert abs(shown - image).mean() < 0.1 * image.mean()
+    expected, _ = loaded(write(tmp_path, PATH_OF_2))
+    same = import_scene(expected)
+    surround(same, given, 0.5)
+    assert lightcull.render(same, spp=SPP).image.mean() == pytest.approx(shown.mean(), rel=0.02)
+
+
+def test_commands_take_cameras_and_surroundings_of_mitsuba_too(tmp_path: Path) -> None:
+    write(tmp_path, PATH_OF_2, SENSORS)
+    common = ("render", "scene.xml", "--spp", "2", "-o", "a.exr")
+    done = command(tmp_path, *common, "--camera", "above")
+    assert done.returncode == 0 and "40x30" in done.stdout
+    white = ("--environment", "3", "--camera-from", "0,2,6", "--camera-to", "0,9,6", "--camera-up")
+    done = command(tmp_path, *common, *white, "0,0,1")
+    assert done.returncode == 0, done.stderr
+    assert np.allclose(lightcull.read_image(tmp_path / "a.exr"), 3, rtol=1e-4)
+    wrong = command(tmp_path, *common, "--camera", "top")
+    assert wrong.returncode == 1
+    assert "no camera 'top'; there are 0 'front', 1 'above', 2 'lens'" in wrong.stderr
+
+
+ROUND = """
+<shape type="sphere">
+  <point name="center" x="-1.2" y="0.6" z="0"/><float name="radius" value="0.5"/>
+  <bsdf type="diffuse"><rgb name="reflectance" value="0.7, 0.2, 0.1"/></bsdf>
+</shape>
+<shape type="sphere">
+  <point name="center" x="1.2" y="3.6" z="0.5"/><float name="radius" value="0.25"/>
+  <emitter type="area"><rgb name="radiance" value="30, 0, 0"/></emitter>
+</shape>
+<shape type="cylinder">
+  <point name="p0" x="-2" y="3.5" z="0"/><point name="p1" x="-0.4" y="3.9" z="0"/>
+  <float name="radius" value="0.05"/>
+  <emitter type="area"><rgb name="radiance" value="0, 0, 60"/></emitter>
+</shape>
+<shape type="disk">
+  <transform name="to_world">
+    <scale value="0.4"/><rotate x="1" angle="90"/><translate x="1.5" y="3.5" z="1"/>
+  </transform>
+  <emitter type="area"><rgb name="radiance" value="0, 20, 0"/></emitter>
+</shape>
+<shape type="sphere">
+  <float name="radius" value="9"/><boolean name="flip_normals" value="true"/>
+  <emitter type="area"><rgb name="radiance" value="0.05"/></emitter>
+</shape>
+"""
+"""The lamps are above the picture."""
+
+
+def test_round_shapes_are_imported_as_triangles(tmp_path: Path) -> None:
+    dark = STAGE[: STAGE.index("<emitter")] + STAGE[STAGE.index("<shape") :].replace(
+        'name="radiance" value="5"', 'name="radiance" value="0"'
+    )
+    host, _ = loaded(write(tmp_path, PATH_OF_3, dark + ROUND))
+    with pytest.warns(lightcull.UnsupportedWarning) as caught:
+        ours = import_scene(host)
+    assert str(caught[0].message) == "scene: round shapes are made of triangles"
+    image = lightcull.render(host, spp=4 * SPP).image
+    shown = lightcull.render(ours, spp=4 * SPP).image
+    np.testing.assert_allclose(shown.mean(axis=(0, 1)), image.mean(axis=(0, 1)), rtol=0.02)
+    blocks = (shown - image).reshape(6, 8, 8, 8, 3).mean(axis=(1, 3))
+    assert abs(blocks).mean() < 0.03 * image.mean()
+
+
+def test_an_environment_that_is_turned_is_imported_so(tmp_path: Path) -> None:
+    texels = np.random.default_rng(1).uniform(0, 1, (8, 16, 3)).astype(np.float32)
+    texels[3, 2] = (60, 0, 0)
+    lightcull.write_exr(tmp_path / "sky.exr", texels)
+    turned = (
+        '<emitter type="envmap"><string name="filename" value="sky.exr"/>'
+        '<transform name="to_world"><rotate y="1" angle="70"/></transform></emitter>'
+    )
+    start, end = STAGE.index("<emitter"), STAGE.index("</emitter>") + len("</emitter>")
+    host, _ = loaded(write(tmp_path, PATH_OF_2, STAGE[:start] + turned + STAGE[end:]))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        ours = import_scene(host)
+    image = lightcull.render(host, spp=4 * SPP).image
+    shown = lightcull.render(ours, spp=4 * SPP).image
+    assert abs(shown - image).mean() < 0.08 * image.mean()
+
+
+def test_media_of_a_scene_that_is_no_file_are_not_left_out_silently(tmp_path: Path) -> None:
+    path = write(tmp_path, f'<integrator type="volpath">{DEPTH_2}</integrator>', STAGE + FOG)
+    mi.set_variant("scalar_rgb")
+    scene = MitsubaScene(mi.load_file(str(path)))
+    assert (scene.integrator.kind, scene.best_sampler) == ("volpath", "path")

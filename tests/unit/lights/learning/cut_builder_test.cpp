@@ -1,0 +1,106 @@
+#include "lights/learning/cut_builder.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <vector>
+
+#include "base/random.h"
+#include "lights/bvh/light_bvh_kernels.h"
+#include "lights/learning/cut_kernels.h"
+#include "unit/test_lights.h"
+
+namespace lightcull {
+namespace {
+
+/// Small triangles that face all ways.
+LightTable facing_all_ways() {
+    std::vector<Light> lights;
+    RandomStream random(5);
+    const auto at = [&](float size) {
+        const float x = random.next(), y = random.next(), z = random.next();
+        return float3{x - 0.5f, y - 0.5f, z - 0.5f} * size;
+    };
+    for (int i = 0; i < 1500; ++i) {
+        const float3 a = at(2.0f);
+        lights.push_back(triangle_light(a, a + at(0.02f), a + at(0.02f), 1.0f));
+    }
+    return make_light_table(lights);
+}
+
+/// The sum over the lights of each cluster of what a receiver is given.
+std::vector<double> given_by_lights(const LightBvh<MeansNode>& bvh, const LeafOrder& leaves,
+                                    const ClusterCut& cut, const Receiver& receiver) {
+    constexpr std::uint32_t kWidth = LightBvhNode::kWidth;
+    std::vector<double> given(cut.size);
+    for (std::uint32_t n = 0; n < bvh.nodes.size(); ++n) {
+        LightBvhImportances g;
+        light_bvh_kernels<MeansNode>().importances(bvh.nodes[n], receiver, g.of);
+        for (std::uint32_t i = 0; i < kWidth; ++i) {
+            const std::uint32_t child = bvh.nodes[n].child[i];
+            if (child == LightBvhNode::kEmpty || (child & LightBvhNode::kLight) == 0) continue;
+            given[cut.place_of_leaf(leaves.first(n * kWidth + i))] += double{g.of[i]};
+        }
+    }
+    return given;
+}
+
+/// How far weights of clusters are off, relative to all that is given.
+double misjudged(const ClusterCut& cut, const Receiver& receiver,
+                 const std::vector<double>& given) {
+    double off = 0.0, sum = 0.0;
+    for (std::uint32_t i = 0; i < cut.size; ++i) {
+        const double weight = double{cut_kernels().weight_of(cut, i, receiver)};
+        off += std::abs(weight - given[i]);
+        sum += given[i];
+    }
+    return off / sum;
+}
+
+}  // namespace
+
+TEST_CASE("a cut weighs clusters by what their parts give the place") {
+    const LightBvh<MeansNode> bvh = build_light_bvh<MeansNode>(facing_all_ways());
+    const LeafOrder leaves(bvh);
+    RandomStream random(6);
+    double scaled = 0.0, as_wholes = 0.0;
+    for (int k = 0; k < 20; ++k) {
+        const float x = 6.0f * random.next() - 3.0f, z = 6.0f * random.next() - 3.0f;
+        const CutPlace place{{x, -1.5f, z}, {0, 1, 0}, 0.05f};
+        ClusterCut cut;
+        CutEvidence evidence;
+        rebuild_cut(bvh, leaves, place, cut, evidence);
+        REQUIRE(cut.size > 100);
+        const Receiver receiver(place.position, place.normal);
+        const std::vector<double> given = given_by_lights(bvh, leaves, cut, receiver);
+        scaled += misjudged(cut, receiver, given);
+        std::copy(std::begin(cut.visible), std::end(cut.visible), std::begin(cut.scale));
+        as_wholes += misjudged(cut, receiver, given);
+    }
+    CAPTURE(as_wholes);
+    CHECK(scaled < 0.3 * as_wholes);
+}
+
+TEST_CASE("a cut leaves every cluster a fourth of its weight, whatever its parts say") {
+    // Seen from here, none of the lights' cones reaches the place.
+    std::vector<Light> lights;
+    RandomStream random(7);
+    for (int i = 0; i < 1000; ++i) {
+        const float x = random.next(), z = random.next();
+        const float away = i % 2 == 0 ? 0.5f : -0.5f;
+        lights.push_back(spot_light({x, 1.0f, z}, {away, 1.0f, 0.0f}, 1.0f, 0.2f, 0.3f));
+    }
+    const LightBvh<MeansNode> bvh = build_light_bvh<MeansNode>(make_light_table(lights));
+    ClusterCut cut;
+    CutEvidence evidence;
+    rebuild_cut(bvh, LeafOrder(bvh), {{0.5f, -1.0f, 0.5f}, {0, 1, 0}, 0.01f}, cut, evidence);
+    REQUIRE(cut.size > 0);
+    for (std::uint32_t i = 0; i < cut.size; ++i) {
+        CHECK(cut.scale[i] >= 0.25f);
+        CHECK(cut.scale[i] <= 4.0f);
+    }
+}
+
+}  // namespace lightcull
