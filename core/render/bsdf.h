@@ -54,6 +54,11 @@ class LIGHTCULL_CORE_EXPORT Bsdf {
     const V3f& f0() const noexcept { return f0_; }
     float alpha() const noexcept { return alpha_; }
     bool is_specular() const noexcept { return specular_prob_ > 0.0f; }
+    /// True if it scatters so widely that its samples tell little of where light comes from.
+    bool is_broad() const noexcept {
+        constexpr float kBroad = 0.25f;
+        return !is_specular() || alpha_ >= kBroad;
+    }
 
     /// The two parts of the BSDF as a light sampler takes them (ShadingPoint::diffuse and lobe),
     /// 1/sr by luminance.

@@ -17,6 +17,7 @@ enum class Dimension : std::uint64_t {
     kLobe,         ///< choice between diffuse and specular
     kScatter,      ///< direction of the next ray
     kRoulette,
+    kLastRay,  ///< whether a path's last edge is traced
 };
 
 /// The random numbers of one vertex of a path: a hash of (seed, pass, pixel, depth, dimension).

@@ -7,6 +7,7 @@
 #include "render/scene_data.h"
 #include "render/settings.h"
 #include "render/tiles.h"
+#include "render/trial_image.h"
 #include "render/wavefront.h"
 
 #include <lightcull/error.h>
@@ -18,6 +19,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -54,6 +56,7 @@ struct Renderer::Impl {
     Film film;
     std::vector<V3f> pass_emission;  ///< part of pass_pixels; empty unless emission is kept apart
     Film emission;
+    std::optional<float> last_ray_share;  ///< Pass::last_ray_share, once it has been found
     RenderStats stats;
     RenderStats cost;      ///< statistics of the pass under way
     std::uint64_t refits;  ///< SceneData::refits when the image was begun
@@ -71,8 +74,12 @@ struct Renderer::Impl {
           refits(data_of(*scene).refits) {}
 
     void render_regions(const std::atomic<bool>* cancel);
-    void render_region(const Pass& pass, const Tile& region);
+    void render_tiles(const Pass& pass, const std::vector<Tile>& tiles);
     void select_lights(const std::vector<std::uint8_t>& under_way);
+
+    Pass pass_of(std::uint64_t number, const std::atomic<bool>* cancel);
+    void find_last_ray_share(const std::atomic<bool>* cancel);
+    double variance_with(float share, const std::atomic<bool>* cancel);
 };
 
 void Renderer::Impl::render_regions(const std::atomic<bool>* cancel) {
@@ -80,24 +87,30 @@ void Renderer::Impl::render_regions(const std::atomic<bool>* cancel) {
     const Clock::time_point start = Clock::now();
     sampler->begin_pass(mix(settings.seed) + stats.passes);
     cost.sampler_seconds += seconds_since(start);
-    std::fill(pass_pixels.begin(), pass_pixels.end(), V3f(0.0f));
-    std::fill(pass_emission.begin(), pass_emission.end(), V3f(0.0f));
-    const Pass pass{data_of(*scene),
-                    settings,
-                    PassRays(camera, settings, stats.passes),
-                    *sampler,
-                    vertex_culling(*sampler),
-                    hash(settings.seed, stats.passes),
-                    cancel,
-                    pass_pixels.data(),
-                    pass_emission.empty() ? nullptr : pass_emission.data()};
+    const Pass pass = pass_of(stats.passes, cancel);
     for (const Tile& region : tiles_of({0, 0, settings.width, settings.height}, kRegionSize)) {
-        if (!pass.cancelled()) render_region(pass, region);
+        if (!pass.cancelled()) render_tiles(pass, tiles_of(region, kTileSize));
     }
 }
 
-void Renderer::Impl::render_region(const Pass& pass, const Tile& region) {
-    const std::vector<Tile> tiles = tiles_of(region, kTileSize);
+/// A pass, of which all pixels are black.
+Pass Renderer::Impl::pass_of(std::uint64_t number, const std::atomic<bool>* cancel) {
+    std::fill(pass_pixels.begin(), pass_pixels.end(), V3f(0.0f));
+    std::fill(pass_emission.begin(), pass_emission.end(), V3f(0.0f));
+    return {data_of(*scene),
+            settings,
+            PassRays(camera, settings, number),
+            *sampler,
+            vertex_culling(*sampler),
+            hash(settings.seed, number),
+            cancel,
+            pass_pixels.data(),
+            pass_emission.empty() ? nullptr : pass_emission.data(),
+            true,
+            last_ray_share.value_or(1.0f)};
+}
+
+void Renderer::Impl::render_tiles(const Pass& pass, const std::vector<Tile>& tiles) {
     if (wavefronts.size() < tiles.size()) wavefronts.resize(tiles.size());
     tbb::parallel_for(std::size_t{0}, tiles.size(),
                       [&](std::size_t i) { wavefronts[i].start(pass, tiles[i]); });
@@ -144,6 +157,37 @@ void Renderer::Impl::select_lights(const std::vector<std::uint8_t>& under_way) {
     }
 }
 
+/// Finds, by trial on some pixels, whether a sample varies more if it goes without most last rays.
+void Renderer::Impl::find_last_ray_share(const std::atomic<bool>* cancel) {
+    last_ray_share = 1.0f;
+    const bool may_leave_out = settings.max_depth > 1 &&
+                               settings.direct_light == DirectLight::kMis &&
+                               vertex_culling(*sampler) == nullptr;
+    if (!may_leave_out) return;
+    // Fewer cost hardly less, and vary more once a sampler has learned.
+    constexpr float kFew = 0.25f;
+    constexpr double kAlike = 1.03;
+    sampler->begin_pass(mix(settings.seed));
+    const double of_all = variance_with(1.0f, cancel), of_few = variance_with(kFew, cancel);
+    last_ray_share = of_few <= kAlike * of_all ? kFew : 1.0f;
+    if (cancel != nullptr && cancel->load()) last_ray_share.reset();
+}
+
+/// The variance of a sample with a share of last rays.
+double Renderer::Impl::variance_with(float share, const std::atomic<bool>* cancel) {
+    constexpr std::uint64_t kPasses = 8;
+    last_ray_share = share;
+    TrialImage image(settings);
+    for (std::uint64_t k = 0; k < kPasses; ++k) {
+        Pass pass = pass_of(k, cancel);
+        pass.reports = false;
+        render_tiles(pass, image.tiles());
+        image.add(pass_pixels);
+    }
+    for (Wavefront& wavefront : wavefronts) wavefront.take_ray_count();
+    return image.relative_variance();
+}
+
 Renderer::Renderer(std::shared_ptr<const Scene> scene, const RenderSettings& settings,
                    std::unique_ptr<LightSampler> sampler) {
     if (scene == nullptr) throw Error("renderer: there is no scene");
@@ -181,7 +225,11 @@ bool Renderer::render_pass(const std::atomic<bool>* cancel) {
     }
     const Clock::time_point start = Clock::now();
     RenderStats& cost = impl_->cost = {};
-    impl_->arena.execute([&] { impl_->render_regions(cancel); });
+    impl_->arena.execute([&] {
+        if (!impl_->last_ray_share) impl_->find_last_ray_share(cancel);
+        cost = {};
+        impl_->render_regions(cancel);
+    });
     for (Wavefront& wavefront : impl_->wavefronts) cost.rays += wavefront.take_ray_count();
     if (cancel != nullptr && cancel->load()) {
         impl_->sampler->drop_reports();
@@ -215,6 +263,8 @@ void Renderer::restore(const RenderState& state) {
         throw Error("renderer: keeps emission apart, of which a state knows nothing");
     }
     check_state(state, impl_->settings);
+    // A sampler that has learned would say something else.
+    impl_->arena.execute([&] { impl_->find_last_ray_share(nullptr); });
     if (!state.learned.empty()) impl_->sampler->restore_learned(state.learned);
     impl_->film.restore(state.sums, state.stats.passes);
     impl_->stats = state.stats;

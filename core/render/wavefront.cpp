@@ -189,7 +189,7 @@ void Wavefront::add_direct_light() {
     for (std::size_t j = 0; j < shadow_rays_.size(); ++j) {
         if (occluded_[j] == 0) pass_->pixels[contributions_[j].pixel] += contributions_[j].value;
     }
-    if (pass_->sampler.wants_reports()) report_visibility();
+    if (pass_->reports && pass_->sampler.wants_reports()) report_visibility();
 }
 
 void Wavefront::report_visibility() {
@@ -226,7 +226,7 @@ Wavefront::LightSample Wavefront::sample_light(std::size_t vertex,
     float weight = 1.0f;
     if (pass_->settings.direct_light == DirectLight::kMis && !s.is_delta) {
         const float light_pdf = selection.mis_prob * s.pdf;
-        weight = light_pdf / (light_pdf + bsdf.pdf);
+        weight = light_pdf / (light_pdf + ray_share(surface) * bsdf.pdf);
     }
     const float divisor = selection.prob * vertex_prob * s.pdf;
     return {s.shadow_ray(surface.origin), value * (weight / divisor)};
@@ -240,9 +240,21 @@ Wavefront::LightSample Wavefront::sample_environment(std::size_t vertex,
     if (!(s.pdf > 0.0f) || s.direction.dot(surface.normal) <= 0.0f) return {};
     const BsdfValue bsdf = surface.bsdf.evaluate(s.direction);
     const bool mis = pass_->settings.direct_light == DirectLight::kMis;
-    const float weight = mis ? s.pdf / (s.pdf + bsdf.pdf) : 1.0f;
+    const float weight = mis ? s.pdf / (s.pdf + ray_share(surface) * bsdf.pdf) : 1.0f;
     return {{surface.origin, s.direction},
             path_of(vertex).throughput * bsdf.value * s.radiance * (weight / s.pdf)};
+}
+
+/// The probability with which a path goes on from a surface. Where its next edge is the last and
+/// finds nothing but emission, for which there is light sampling as well, less than a sample in the
+/// mean is enough: the balance heuristic takes the share as the technique's number of samples
+/// (Veach 1997, section 9.2; Grittmann et al. 2022, "Efficiency-aware multiple importance sampling
+/// for bidirectional rendering algorithms").
+float Wavefront::ray_share(const Surface& surface) const noexcept {
+    const RenderSettings& settings = pass_->settings;
+    const bool is_last = depth_ + 1 == settings.max_depth;
+    const bool for_mis_alone = is_last && settings.direct_light == DirectLight::kMis;
+    return for_mis_alone && surface.bsdf.is_broad() ? pass_->last_ray_share : 1.0f;
 }
 
 void Wavefront::scatter() {
@@ -252,9 +264,11 @@ void Wavefront::scatter() {
         const Path& path = path_of(k);
         const Surface& surface = surfaces_[k];
         const PathRandom random = random_of(path.pixel);
+        const float share = ray_share(surface);
+        if (share < 1.0f && random.one(Dimension::kLastRay) >= share) continue;
         const BsdfSample s =
             surface.bsdf.sample(random.one(Dimension::kLobe), random.two(Dimension::kScatter));
-        V3f throughput = path.throughput * s.weight;
+        V3f throughput = path.throughput * s.weight / share;
         if (throughput == V3f(0.0f) || s.direction.dot(surface.normal) <= 0.0f) continue;
         if (depth_ >= pass_->settings.rr_depth) {
             constexpr float kMostLikely = 0.95f;
@@ -262,7 +276,7 @@ void Wavefront::scatter() {
             if (random.one(Dimension::kRoulette) >= survival) continue;
             throughput /= survival;
         }
-        next_paths_.push_back({path.pixel, throughput, s.pdf, {}, selections_[k].receipt});
+        next_paths_.push_back({path.pixel, throughput, s.pdf * share, {}, selections_[k].receipt});
         if (needs_selection()) next_paths_.back().point = points_[k];
         next_rays_.push_back({surface.origin, s.direction});
     }

@@ -27,8 +27,11 @@ struct Pass {
     const VertexCulling* vertex_culling;  ///< vertex culling of the sampler; may be null
     std::uint64_t key;                    ///< key of the pass's random numbers
     const std::atomic<bool>* cancel;      ///< may be null
-    V3f* pixels;    ///< place where the samples go: height * width, black at first
-    V3f* emission;  ///< another for the part that the camera sees of emitters; may be null
+    V3f* pixels;          ///< place where the samples go: height * width, black at first
+    V3f* emission;        ///< another for the part that the camera sees of emitters; may be null
+    bool reports = true;  ///< the sampler is told what shadow rays find
+    float last_ray_share = 1.0f;  ///< share of paths that trace their last edge where it leaves a
+                                  ///< broad BSDF and is there for MIS alone, (0, 1]
 
     bool cancelled() const noexcept {
         return cancel != nullptr && cancel->load(std::memory_order_relaxed);
@@ -73,7 +76,7 @@ class Wavefront {
         std::uint32_t pixel;
         V3f throughput;
         // Members for MIS, about the vertex that the ray leaves:
-        float bsdf_pdf;
+        float bsdf_pdf;  ///< density of the ray's direction, times the share of such rays
         ShadingPoint point;
         Receipt receipt;
     };
@@ -102,6 +105,7 @@ class Wavefront {
     LightSample sample_light(std::size_t vertex, const PathRandom& random) const noexcept;
     LightSample sample_environment(std::size_t vertex, const PathRandom& random) const noexcept;
     void report_visibility();
+    float ray_share(const Surface& surface) const noexcept;
     void scatter();
 
     bool needs_selection() const noexcept;
