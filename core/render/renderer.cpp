@@ -67,7 +67,7 @@ struct Renderer::Impl {
           sampler(std::move(l)),
           camera(scene->camera(), r.width, r.height),
           arena(thread_count(r.threads)),
-          pass_pixels(std::size_t{r.width} * r.height),
+          pass_pixels(std::size_t{r.width} * r.height, V3f(0.0f)),
           film(pass_pixels.size()),
           pass_emission(r.emission_apart ? pass_pixels.size() : 0),
           emission(pass_emission.size()),
@@ -87,16 +87,15 @@ void Renderer::Impl::render_regions(const std::atomic<bool>* cancel) {
     const Clock::time_point start = Clock::now();
     sampler->begin_pass(mix(settings.seed) + stats.passes);
     cost.sampler_seconds += seconds_since(start);
+    std::fill(pass_pixels.begin(), pass_pixels.end(), V3f(0.0f));
+    std::fill(pass_emission.begin(), pass_emission.end(), V3f(0.0f));
     const Pass pass = pass_of(stats.passes, cancel);
     for (const Tile& region : tiles_of({0, 0, settings.width, settings.height}, kRegionSize)) {
         if (!pass.cancelled()) render_tiles(pass, tiles_of(region, kTileSize));
     }
 }
 
-/// A pass, of which all pixels are black.
 Pass Renderer::Impl::pass_of(std::uint64_t number, const std::atomic<bool>* cancel) {
-    std::fill(pass_pixels.begin(), pass_pixels.end(), V3f(0.0f));
-    std::fill(pass_emission.begin(), pass_emission.end(), V3f(0.0f));
     return {data_of(*scene),
             settings,
             PassRays(camera, settings, number),
@@ -182,7 +181,7 @@ double Renderer::Impl::variance_with(float share, const std::atomic<bool>* cance
         Pass pass = pass_of(k, cancel);
         pass.reports = false;
         render_tiles(pass, image.tiles());
-        image.add(pass_pixels);
+        image.take(pass_pixels);
     }
     for (Wavefront& wavefront : wavefronts) wavefront.take_ray_count();
     return image.relative_variance();

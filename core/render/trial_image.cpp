@@ -21,16 +21,17 @@ TrialImage::TrialImage(const RenderSettings& settings) : width_(settings.width) 
     squares_.resize(pixels);
 }
 
-void TrialImage::add(const std::vector<V3f>& pixels) noexcept {
+void TrialImage::take(std::vector<V3f>& pixels) noexcept {
     ++passes_;
     std::size_t i = 0;
     for (const Tile& tile : tiles_) {
         for (std::uint32_t y = tile.y0; y < tile.y1; ++y) {
             for (std::uint32_t x = tile.x0; x < tile.x1; ++x, ++i) {
-                const V3f& pixel = pixels[std::size_t{y} * width_ + x];
+                V3f& pixel = pixels[std::size_t{y} * width_ + x];
                 const double value = double{pixel.x} + double{pixel.y} + double{pixel.z};
                 sums_[i] += value;
                 squares_[i] += value * value;
+                pixel = V3f(0.0f);
             }
         }
     }

@@ -17,8 +17,9 @@ class TrialImage {
 
     const std::vector<Tile>& tiles() const noexcept { return tiles_; }
 
-    /// pixels: those of the whole image, row 0 at the top.
-    void add(const std::vector<V3f>& pixels) noexcept;
+    /// Takes the samples of a pass out of the pixels of the whole image, row 0 at the top, and
+    /// leaves black there.
+    void take(std::vector<V3f>& pixels) noexcept;
 
     /// The sum over pixels of the variance of a sample relative to the square of its mean, where
     /// that is not far below the mean of all.

@@ -155,7 +155,7 @@ def test_virtual_lights_of_a_scene_from_the_command_line(main_here: Callable[...
         assert outcome.returncode != 0
         assert says in outcome.stderr
     outcome = main_here("render", "room.xml", "--virtual-lights", "5")
-    assert "--virtual-lights is not for a scene of Mitsuba's" in outcome.stderr
+    assert "--virtual-lights is not for an .xml scene of Mitsuba's" in outcome.stderr
 
 
 def test_virtual_lights_are_part_of_what_a_scene_is_known_by() -> None:

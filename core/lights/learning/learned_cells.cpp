@@ -245,7 +245,7 @@ std::uint32_t LearnedCells::add_cell(const MetCell& met) {
     return parent;
 }
 
-void LearnedCells::refresh(const LearnedLights& lights) noexcept {
+void LearnedCells::refresh(const LearnedLights& lights) {
     for_each_block(size(), kBlock, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) refresh_cut(lights.bvh(), places_[i], cuts_[i]);
     });

@@ -86,7 +86,7 @@ class LearnedCells {
     /// caller's TBB arena; the result does not depend on it.
     void learn(const LearnedLights& lights);
     /// Fits the cuts to lights that have moved in a tree of the same topology.
-    void refresh(const LearnedLights& lights) noexcept;
+    void refresh(const LearnedLights& lights);
     /// Begins the rounds anew, since what was learned may not be so any more: it counts for no more
     /// than a few rays to each cluster. Reports since the last learn() are forgotten.
     void learn_anew();

@@ -114,11 +114,9 @@ class LearnedPass final : public LightSelector, public SamplerInfo {
         const std::uint32_t cell = find(point);
         if (!has_cut(cell)) return sampler_info(*fallback_)->count(point);
         SelectionCounts counts;
-        const ClusterCut& cut = cut_of(cell);
-        counts.lights_tested = cut.size;
         CutWeights weights;
-        cut_kernels().weigh(lights_->bvh(), cut, to_local(point), weights);
-        counts.lights_tested += weights.opened_count * CutWeights::kWidth;
+        weigh(cell, to_local(point), weights);
+        counts.lights_tested = cut_of(cell).size + weights.opened_count * CutWeights::kWidth;
         for (std::uint32_t i = 0; i < weights.size; ++i) {
             counts.accepted += weights.of[i] > 0.0f ? 1 : 0;
         }

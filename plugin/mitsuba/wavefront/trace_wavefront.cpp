@@ -1,10 +1,10 @@
 #include "wavefront/trace_wavefront.h"
 
 #include "arrays/variants.h"
+#include "lanes/lane_lights.h"
 #include "paths/mis_weight.h"
 #include "scene/surface_receiver.h"
 #include "scene/triangle_pdf.h"
-#include "lanes/lane_lights.h"
 #include "wavefront/lane_random.h"
 #include "wavefront/path_states.h"
 

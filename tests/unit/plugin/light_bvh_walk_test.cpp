@@ -113,7 +113,8 @@ TEST_CASE("light BVH walk of the Mitsuba plugin: probabilities are those of ligh
     }
 }
 
-TEST_CASE("light BVH walk of the Mitsuba plugin: lights have shares of numbers as their prob says") {
+TEST_CASE(
+    "light BVH walk of the Mitsuba plugin: lights have shares of numbers as their prob says") {
     constexpr std::uint32_t kPlaces = 4096;
     for (const std::vector<Light>& lights : scenes()) {
         const Walk walk(lights);

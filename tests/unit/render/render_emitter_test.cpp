@@ -129,8 +129,7 @@ TEST_CASE("the edge of a spot is where its angles say, however narrow it is") {
 
 TEST_CASE("from its own plane a triangle is not sampled") {
     const lightcull::SceneData scene;
-    const Emitter t =
-        TriangleEmitter{V3f(0), V3f(1, 0, 0), V3f(0, 1, 0), V3f(1), 0, kNone, true};
+    const Emitter t = TriangleEmitter{V3f(0), V3f(1, 0, 0), V3f(0, 1, 0), V3f(1), 0, kNone, true};
     CHECK(sample_emitter(scene, t, V3f(5, 5, 0), V2f(0.5f)).pdf == 0.0f);
     // A place on it is rounded to one side or the other, and sees nothing of it all the same.
     for (const float above : {0.0f, 6e-8f, -6e-8f}) {

@@ -48,7 +48,8 @@ TEST_CASE("enclosing sphere: its centre is the middle of the box around spheres"
     CHECK(all.center.z == 0.0f);
 }
 
-TEST_CASE("enclosing sphere: it is somewhere, and holds all, where the range of a sun is infinite") {
+TEST_CASE(
+    "enclosing sphere: it is somewhere, and holds all, where the range of a sun is infinite") {
     constexpr float kInfinity = std::numeric_limits<float>::infinity();
     const std::vector<EnclosingSphere> spheres{{{0x1p40f, 0, 0}, kInfinity, 0.0f},
                                                {{4, 2, 0}, 3.0f, 0.5f}};
