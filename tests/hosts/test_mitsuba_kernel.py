@@ -88,8 +88,9 @@ def test_no_path_of_depth_0_has_light(variant: str, count: int) -> None:
 
 
 MEMORY = """
-import resource, sys
+import sys
 import lightcull.mitsuba, mitsuba as mi
+from lightcull import memory
 import mitsuba_scenes as scenes
 mi.set_variant("llvm_ad_rgb")
 film = {"width": 320, "height": 240}
@@ -98,11 +99,12 @@ scene["sensor"]["film"] |= film
 loaded = mi.load_dict(scene)
 integrator = mi.load_dict({"type": sys.argv[1], "max_depth": 3,
                            **({"light_sampler": sys.argv[2]} if sys.argv[2:] else {})})
-# What Mitsuba and LLVM take, whatever is rendered, is not counted.
+# What Mitsuba and LLVM take, whatever is rendered, is not counted. (ru_maxrss would begin with
+# the peak of the process that started this one.)
 mi.render(loaded, integrator=integrator, spp=4)
-before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+before = memory.of_process("VmHWM")
 mi.render(loaded, integrator=integrator, spp=SPP)
-print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before)
+print(memory.of_process("VmHWM") - before)
 """
 
 
@@ -115,7 +117,7 @@ def bytes_per_path(*arguments: str) -> float:
         text=True,
         cwd=Path(__file__).parent,
     ).stdout
-    return int(output.splitlines()[-1]) * 1024 / (320 * 240 * SPP)
+    return int(output.splitlines()[-1]) / (320 * 240 * SPP)
 
 
 def test_nothing_is_kept_of_a_path() -> None:
