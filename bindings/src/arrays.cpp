@@ -33,7 +33,10 @@ bool is_record(const py::object& dtype) {
 
 [[noreturn]] void throw_type_error(const py::handle& array, const char* name,
                                    const ArraySpec& spec) {
-    const std::string wanted = is_record(spec.dtype) ? "records" : std::string(py::str(spec.dtype));
+    std::string wanted = py::str(spec.dtype);
+    if (is_record(spec.dtype))
+        wanted = "records of " +
+                 std::string(py::str(py::str(", ").attr("join")(spec.dtype.attr("names"))));
     throw py::type_error(std::string(name) + ": wanted an array of shape " +
                          shape_text(spec.shape) + " for " + wanted + ", got " +
                          description_of(array));

@@ -146,6 +146,28 @@ def DomeLight "dome" {{
             np.testing.assert_allclose(look(scene)[8, 8], expected, atol=1e-5)
 
 
+@pytest.mark.parametrize(
+    ("kind", "pole", "up", "tilted"),
+    [
+        ("DomeLight", "", "Y", False),
+        ("DomeLight", "", "Z", True),
+        ("DomeLight_1", "", "Y", False),
+        ("DomeLight_1", "", "Z", False),
+        ("DomeLight_1", "Y", "Z", True),
+        ("DomeLight_1", "Z", "Z", False),
+        ("DomeLight_1", "Z", "Y", True),
+    ],
+)
+def test_the_pole_of_a_dome(tmp_path: Path, kind: str, pole: str, up: str, tilted: bool) -> None:
+    axis = f'uniform token poleAxis = "{pole}"' if pole else ""
+    path = tmp_path / "a.usda"
+    path.write_text(f'#usda 1.0\n(\nupAxis = "{up}"\n)\n{FLOOR}def {kind} "dome" {{\n{axis}\n}}\n')
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        lightcull.load(path)
+    assert any("tilt of the dome light" in str(w.message) for w in caught) == tilted
+
+
 def test_units_up_axis_and_the_camera(tmp_path: Path) -> None:
     path = tmp_path / "a.usda"
     camera = CAMERA.replace("(0, 0.5, 2)", "(0, -200, 50)").replace("-14.036243", "75.963757")

@@ -65,9 +65,10 @@ class _Filling:
         self._time = Usd.TimeCode.EarliestTime()
         self._cache = UsdGeom.XformCache(self._time)
         self._unit = float(UsdGeom.GetStageMetersPerUnit(stage))
-        self._to_scene = _to_y_up(UsdGeom.GetStageUpAxis(stage) == "Z", self._unit)
+        z_is_up = UsdGeom.GetStageUpAxis(stage) == "Z"
+        self._to_scene = _to_y_up(z_is_up, self._unit)
         materials = UsdMaterials(scene, notes, self._time)
-        self._lights = UsdLights(scene, notes, self._time, self._unit)
+        self._lights = UsdLights(scene, notes, self._time, self._unit, z_is_up=z_is_up)
         self._meshes = UsdMeshes(scene, notes, self._time, materials, self._lights)
 
     def fill(self) -> None:

@@ -15,16 +15,20 @@ from .unsupported import Notes
 
 _SEGMENTS = 32
 """Of a circle that is made of triangles."""
+_Y_TO_Z = np.array(((1.0, 0.0, 0.0), (0.0, 0.0, -1.0), (0.0, 1.0, 0.0)))
 
 
 class UsdLights:
-    """Adds lights. unit: metres of the stage's unit of length."""
+    """Adds lights of a stage. unit: metres of its unit of length; z_is_up: as it says of itself."""
 
-    def __init__(self, scene: Scene, notes: Notes, time: Any, unit: float) -> None:
+    def __init__(
+        self, scene: Scene, notes: Notes, time: Any, unit: float, *, z_is_up: bool
+    ) -> None:
         self._scene = scene
         self._notes = notes
         self._time = time
         self._unit = unit
+        self._z_is_up = z_is_up
 
     def add(self, prim: Any, matrix: np.ndarray) -> None:
         """Adds a light where it stands."""
@@ -150,6 +154,8 @@ class UsdLights:
             return
         radiance = self.radiance(prim, 1.0)
         linear = matrix[:3, :3] / abs(np.linalg.det(matrix[:3, :3])) ** (1.0 / 3.0)
+        if self._pole_is_z(prim):
+            linear = linear @ _Y_TO_Z
         if linear[1, 1] < 0.999:
             self._notes.left_out("tilt of the dome light")
         # Latitude-longitude maps of UsdLux have +Z in the middle.
@@ -163,6 +169,11 @@ class UsdLights:
             self._scene.set_environment(radiance)
         else:
             self._scene.set_environment(texels, radiance, rotation)
+
+    def _pole_is_z(self, prim: Any) -> bool:
+        """If the dome stands on its Z before it is turned: its kind 1 may."""
+        axis = prim.GetAttribute("poleAxis").Get() or "Y"
+        return bool(axis == "Z" or (axis == "scene" and self._z_is_up))
 
     def _map(self, path: str) -> np.ndarray | None:
         try:
