@@ -458,9 +458,10 @@ def test_pbrt_is_called_where_its_program_is(
 ) -> None:
     """By one that keeps its arguments and shows 1 everywhere, of which a quarter is emission."""
     monkeypatch.setenv("PATH", str(tmp_path) + os.pathsep + os.environ["PATH"])
-    program = tmp_path / "pbrt"
-    program.write_text(
-        f"#!{sys.executable}\n"
+    program, script = tmp_path / "pbrt", tmp_path / "pbrt.py"
+    # The path of a "#!" may hold no blank.
+    program.write_text(f'#!/bin/sh\nexec "{sys.executable}" "{script}" "$@"\n')
+    script.write_text(
         "import sys, numpy, lightcull\n"
         f"print(*sys.argv[1:], file=open({str(tmp_path / 'calls')!r}, 'a'))\n"
         "path = sys.argv[sys.argv.index('--outfile') + 1]\n"
