@@ -11,49 +11,54 @@ void ClusterCut::clear() noexcept {
     std::fill(std::begin(child), std::end(child), LightBvhNode::kEmpty);
     std::fill(std::begin(visible), std::end(visible), 1.0f);
     std::fill(std::begin(scale), std::end(scale), 1.0f);
+    std::fill(std::begin(far_scale), std::end(far_scale), 0.0f);
+    std::fill(std::begin(place_of), std::end(place_of), std::uint8_t{0});
+    std::fill(std::begin(cluster_at), std::end(cluster_at), std::uint8_t{0});
     std::fill(std::begin(first_leaf), std::end(first_leaf), 0xffffffffu);
     std::fill(std::begin(slot), std::end(slot), LightBvh<MeansNode>::kNoSlot);
-    size = 0;
+    size = near_size = 0;
 }
 
-std::uint32_t ClusterCut::place_of_leaf(std::uint32_t leaf) const noexcept {
+std::uint32_t ClusterCut::cluster_of_leaf(std::uint32_t leaf) const noexcept {
     static_assert((kMaxSize & (kMaxSize - 1)) == 0);
     assert(size > 0 && first_leaf[0] <= leaf);
-    std::uint32_t place = 0;
+    std::uint32_t cluster = 0;
     for (std::uint32_t step = kMaxSize / 2; step > 0; step /= 2) {
-        place += first_leaf[place + step] <= leaf ? step : 0;
+        cluster += first_leaf[cluster + step] <= leaf ? step : 0;
     }
-    return place;
+    return cluster;
 }
 
 CutChoice choose(const CutWeights& weights, double number) noexcept {
     constexpr std::size_t kStride = CutWeights::kStride;
     double left = number * static_cast<double>(weights.total());
     // Down the sums: rounding may leave a little at the end, which falls to what has any weight.
+    // Nobody can predict what is chosen: numbers instead of branches.
     const float* sums = weights.sums + 2 * kStride - 2;
     std::size_t column = 0;
     for (std::size_t half = 1; half < kStride; half *= 2) {
         sums -= 2 * half;
         const auto first = static_cast<double>(sums[column]);
-        const bool second = left >= first && sums[column + half] > 0.0f;
-        left -= second ? first : 0.0;
-        column += second ? half : 0;
+        const auto second =
+            static_cast<int>(left >= first) & static_cast<int>(sums[column + half] > 0.0f);
+        left -= first * second;
+        column += half * static_cast<std::size_t>(second);
     }
-    // The last cluster with any weight that begins before the place; without branches, which nobody
-    // can predict.
-    double sum = 0.0, before = 0.0, weight = 1.0;
-    std::size_t chosen = column;
-    for (std::size_t i = column; i < weights.size; i += kStride) {
-        const auto w = static_cast<double>(weights.of[i]);
-        const bool take = w > 0.0 && sum <= left;
-        chosen = take ? i : chosen;
-        before = take ? sum : before;
-        weight = take ? w : weight;
-        sum += w;
+    double before[CutWeights::kMaxSize / kStride];
+    double sum = 0.0;
+    std::size_t begun = 0;
+    for (std::size_t row = 0; row < weights.size / kStride; ++row) {
+        before[row] = sum;
+        begun += static_cast<std::size_t>(sum <= left);
+        sum += static_cast<double>(weights.of[column + row * kStride]);
     }
+    // The last cluster with any weight that begins before the place.
+    std::size_t row = begun - 1;
+    while (row > 0 && !(weights.of[column + row * kStride] > 0.0f)) --row;
+    const std::size_t chosen = column + row * kStride;
+    const double within = (left - before[row]) / static_cast<double>(weights.of[chosen]);
     constexpr double kBelowOne = 1.0 - 0x1p-53;
-    return {static_cast<std::uint32_t>(chosen),
-            std::clamp((left - before) / weight, 0.0, kBelowOne)};
+    return {static_cast<std::uint32_t>(chosen), std::clamp(within, 0.0, kBelowOne)};
 }
 
 }  // namespace lightcull

@@ -7,32 +7,41 @@
 
 namespace lightcull {
 
-/// A cut through a light BVH: clusters that together hold each lit light once, in the order of the
-/// tree's leaves, each with what a place sees of it. The places after the last cluster are empty
-/// ones, of importance 0.
+/// A cut through a light BVH: clusters that together hold each lit light once, each with what a
+/// cell sees of it. They are numbered in the order of the tree's leaves, and have places in the
+/// order in which they are weighed: near ones first. What is weighed stands by place, and the
+/// places after the last cluster are empty ones, of importance 0.
 struct alignas(64) ClusterCut : ClusterMeans<128> {
     static constexpr std::uint32_t kMaxSize = 128;
+    /// Near and far clusters fill as many places each, or a multiple.
+    static constexpr std::uint32_t kBlock = 16;
 
-    float visible[kMaxSize];  ///< factor of what is seen of a cluster, (0, 1]; 1: not tried
-    float scale[kMaxSize];    ///< factor of a cluster's importance, above 0: `visible`
-                              ///< by what its parts together give the place, relative
-                              ///< to what it is taken to give as a whole
+    float scale[kMaxSize];      ///< by place: factor of a cluster's importance, above 0: `visible`
+                                ///< by what its parts together give the cell, relative
+                                ///< to what it is taken to give as a whole
+    float far_scale[kMaxSize];  ///< by place: of a far cluster, what is not due to the receiver's
+                                ///< cosine, which alone varies over the cell; 0 elsewhere
+    float visible[kMaxSize];    ///< factor of what is seen of a cluster, (0, 1]; 1: not tried
     std::uint32_t first_leaf[kMaxSize];  ///< first leaf of a cluster (LeafOrder), ascending
     LightBvhSlot slot[kMaxSize];         ///< slot of the tree that holds a cluster
+    std::uint8_t place_of[kMaxSize];     ///< place of a cluster
+    std::uint8_t cluster_at[kMaxSize];   ///< cluster of a place
     std::uint32_t size = 0;              ///< number of clusters
+    std::uint32_t near_size = 0;         ///< place of the first far one, a multiple of kBlock
 
     ClusterCut() noexcept { clear(); }
     void clear() noexcept;
 
-    /// The place of the cluster that holds a leaf. The cut must not be empty.
-    std::uint32_t place_of_leaf(std::uint32_t leaf) const noexcept;
+    /// The cluster that holds a leaf. The cut must not be empty.
+    std::uint32_t cluster_of_leaf(std::uint32_t leaf) const noexcept;
 };
 
-/// The weights of the clusters of a cut at a receiver: importance by `scale`; and their sums. Where
-/// a receiver has a lobe, clusters too wide to tell what of them lies in it are replaced by the
-/// children of their nodes, by `visible`.
+/// The weights of the clusters of a cut at a receiver: importance by `scale`, or `far_scale` by
+/// what the receiver's cosine makes of it; and their sums. Where a receiver has a lobe, or is in a
+/// volume, there are no far clusters. Where it has a lobe, clusters too wide to tell what of them
+/// lies in it are replaced by the children of their nodes, by `visible`.
 struct alignas(64) CutWeights {
-    static constexpr std::size_t kStride = 16;
+    static constexpr std::size_t kStride = ClusterCut::kBlock;
     static constexpr std::uint32_t kWidth = LightBvhNode::kWidth;
     static constexpr std::uint32_t kMaxOpened = 16;
     static constexpr std::uint32_t kMaxSize = ClusterCut::kMaxSize + kMaxOpened * kWidth;

@@ -44,6 +44,24 @@ HWY_ATTR HWY_INLINE hn::Vec<Tag> weights_at(const ClusterCut& cut, std::size_t i
     return hn::Mul(importances_at(d, cut, i, receiver, blurred), hn::Load(d, cut.scale + i));
 }
 
+/// True if a receiver is weighed by the importance alone: where it has a lobe, or is in a volume,
+/// more varies over a cell than its cosine.
+inline bool is_near_all(const Receiver& receiver) noexcept {
+    return receiver.has_lobe() || receiver.from_all_sides > 0.0f;
+}
+
+/// The weights of far clusters from the i-th on.
+HWY_ATTR HWY_INLINE hn::Vec<Tag> far_weights_at(const ClusterCut& cut, std::size_t i,
+                                                const Receiver& receiver) {
+    const Tag d;
+    const ReceiverLanes<Tag, Receiver> receivers{receiver};
+    const auto height = cluster::Ways<Tag>(receivers, cut.center, i).height_over(receivers);
+    const auto received = cluster::softened(height, hn::Abs(hn::Load(d, cut.spread + i)));
+    const auto above = hn::Gt(hn::Add(height, hn::Load(d, cut.radius + i)), receivers.horizon());
+    const auto w = hn::Mul(received, hn::Load(d, cut.far_scale + i));
+    return hn::IfThenElseZero(above, hn::Max(w, hn::Zero(d)));
+}
+
 /// Adds up the sums over every kStride-th place.
 inline void add_up(CutWeights& weights) {
     const float* from = weights.sums;
@@ -120,7 +138,7 @@ HWY_ATTR inline void open_blurred(const LightBvh<MeansNode>& bvh, const ClusterC
         const std::uint32_t k = weights.opened_count++;
         weights.opened[k] = child;
         blur.visible[k] = place < weights.first_opened
-                              ? cut.visible[place]
+                              ? cut.visible[cut.cluster_at[place]]
                               : blur.visible[(place - weights.first_opened) / CutWeights::kWidth];
         weights.of[place] = 0.0f;
         open(bvh.nodes[child], blur.visible[k], receiver, weights, blur);
@@ -166,13 +184,16 @@ HWY_ATTR inline void weigh(const LightBvh<MeansNode>& bvh, const ClusterCut& cut
     if (receiver.has_lobe()) return weigh_lobe(bvh, cut, receiver, weights);
     const Tag d;
     const std::size_t lanes = hn::Lanes(d);
+    const std::size_t near = is_near_all(receiver) ? weights.size : cut.near_size;
     for (std::size_t column = 0; column < kStride; column += lanes) {
         auto sum = hn::Zero(d);
-        for (std::size_t i = column; i < weights.size; i += kStride) {
-            const auto w = weights_at(cut, i, receiver, nullptr);
+        const auto add = [&](std::size_t i, hn::Vec<Tag> w) HWY_ATTR {
             hn::Store(w, d, weights.of + i);
             sum = hn::Add(sum, w);
-        }
+        };
+        std::size_t i = column;
+        for (; i < near; i += kStride) add(i, weights_at(cut, i, receiver, nullptr));
+        for (; i < weights.size; i += kStride) add(i, far_weights_at(cut, i, receiver));
         hn::Store(sum, d, weights.sums + column);
     }
     add_up(weights);
@@ -184,7 +205,10 @@ HWY_ATTR inline float weight_of(const ClusterCut& cut, std::uint32_t place,
     const std::size_t lanes = hn::Lanes(d);
     const std::size_t first = place / lanes * lanes;
     HWY_ALIGN float weights[kStride];
-    hn::Store(weights_at(cut, first, receiver, nullptr), d, weights);
+    const bool near = is_near_all(receiver) || place < cut.near_size;
+    hn::Store(
+        near ? weights_at(cut, first, receiver, nullptr) : far_weights_at(cut, first, receiver), d,
+        weights);
     return weights[place - first];
 }
 

@@ -101,9 +101,9 @@ void LearnedCells::report(const LearnedLights& lights, const LightOutcome& outco
     }
     if (cell != kNone) {
         const std::uint32_t leaf = lights.leaves.first(lights.bvh().slots[outcome.light]);
-        const std::uint32_t place = cuts_[cell].place_of_leaf(leaf);
+        const std::uint32_t cluster = cuts_[cell].cluster_of_leaf(leaf);
         const auto hits = static_cast<std::uint64_t>(std::lround(outcome.visibility * kParts));
-        fresh_[cell].of[place].fetch_add((hits << 32) + 1, std::memory_order_relaxed);
+        fresh_[cell].of[cluster].fetch_add((hits << 32) + 1, std::memory_order_relaxed);
         if (!tree_.is_divided(cell)) return;
     }
     const float3 x = lights.frame.position(outcome.position);

@@ -142,10 +142,10 @@ class LearnedPass final : public LightSelector, public SamplerInfo {
         const LightBvhSlot slot = lights_->bvh().slots[light];
         if (cell == kNoCell || slot == LightBvh<MeansNode>::kNoSlot) return kUnknown;
         const ClusterCut& cut = cells_->cut(cell);
-        const std::uint32_t place = cut.place_of_leaf(lights_->leaves.first(slot));
-        const float visible = cut.visible[place];
+        const std::uint32_t cluster = cut.cluster_of_leaf(lights_->leaves.first(slot));
+        const float visible = cut.visible[cluster];
         const bool tried = visible < 1.0f;
-        const bool may_light = cut_kernels().weight_of(cut, place, to_local(point)) > 0.0f;
+        const bool may_light = cut_kernels().weight_of(cut, cut.place_of[cluster], to_local(point)) > 0.0f;
         return tried && may_light ? visible * visible : kUnknown;
     }
 
@@ -196,12 +196,13 @@ class LearnedPass final : public LightSelector, public SamplerInfo {
     /// What was weighed in a cell of the clusters above the slot of a light.
     WeightOfSlot weight_above(const ClusterCut& cut, const Receiver& x,
                               LightBvhSlot slot) const noexcept {
-        const std::uint32_t place = cut.place_of_leaf(lights_->leaves.first(slot));
-        if (!x.has_lobe()) return {cut.slot[place], cut_kernels().weight_of(cut, place, x)};
+        const std::uint32_t cluster = cut.cluster_of_leaf(lights_->leaves.first(slot));
+        const std::uint32_t place = cut.place_of[cluster];
+        if (!x.has_lobe()) return {cut.slot[cluster], cut_kernels().weight_of(cut, place, x)};
         CutWeights weights;
         cut_kernels().weigh(lights_->bvh(), cut, x, weights);
         const auto begin = std::begin(weights.opened), end = begin + weights.opened_count;
-        for (; slot != cut.slot[place]; slot = lights_->bvh().parents[slot / CutWeights::kWidth]) {
+        for (; slot != cut.slot[cluster]; slot = lights_->bvh().parents[slot / CutWeights::kWidth]) {
             const auto found = std::find(begin, end, slot / CutWeights::kWidth);
             if (found == end) continue;
             const auto k = static_cast<std::uint32_t>(found - begin);

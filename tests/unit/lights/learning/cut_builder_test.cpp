@@ -7,6 +7,7 @@
 #include <iterator>
 #include <vector>
 
+#include "base/float3_math.h"
 #include "base/random.h"
 #include "lights/bvh/light_bvh_kernels.h"
 #include "lights/learning/cut_kernels.h"
@@ -41,7 +42,7 @@ std::vector<double> given_by_lights(const LightBvh<MeansNode>& bvh, const LeafOr
         for (std::uint32_t i = 0; i < kWidth; ++i) {
             const std::uint32_t child = bvh.nodes[n].child[i];
             if (child == LightBvhNode::kEmpty || (child & LightBvhNode::kLight) == 0) continue;
-            given[cut.place_of_leaf(leaves.first(n * kWidth + i))] += double{g.of[i]};
+            given[cut.cluster_of_leaf(leaves.first(n * kWidth + i))] += double{g.of[i]};
         }
     }
     return given;
@@ -52,7 +53,7 @@ double misjudged(const ClusterCut& cut, const Receiver& receiver,
                  const std::vector<double>& given) {
     double off = 0.0, sum = 0.0;
     for (std::uint32_t i = 0; i < cut.size; ++i) {
-        const double weight = double{cut_kernels().weight_of(cut, i, receiver)};
+        const double weight = double{cut_kernels().weight_of(cut, cut.place_of[i], receiver)};
         off += std::abs(weight - given[i]);
         sum += given[i];
     }
@@ -76,7 +77,11 @@ TEST_CASE("a cut weighs clusters by what their parts give the place") {
         const Receiver receiver(place.position, place.normal);
         const std::vector<double> given = given_by_lights(bvh, leaves, cut, receiver);
         scaled += misjudged(cut, receiver, given);
-        std::copy(std::begin(cut.visible), std::end(cut.visible), std::begin(cut.scale));
+        for (std::uint32_t i = 0; i < cut.size; ++i) {
+            const std::uint32_t at = cut.place_of[i];
+            cut.far_scale[at] *= cut.visible[i] / cut.scale[at];
+            cut.scale[at] = cut.visible[i];
+        }
         as_wholes += misjudged(cut, receiver, given);
     }
     CAPTURE(as_wholes);
@@ -98,9 +103,58 @@ TEST_CASE("a cut leaves every cluster a fourth of its weight, whatever its parts
     rebuild_cut(bvh, LeafOrder(bvh), {{0.5f, -1.0f, 0.5f}, {0, 1, 0}, 0.01f}, cut, evidence);
     REQUIRE(cut.size > 0);
     for (std::uint32_t i = 0; i < cut.size; ++i) {
-        CHECK(cut.scale[i] >= 0.25f);
-        CHECK(cut.scale[i] <= 4.0f);
+        CHECK(cut.scale[cut.place_of[i]] >= 0.25f);
+        CHECK(cut.scale[cut.place_of[i]] <= 4.0f);
     }
+}
+
+TEST_CASE("a cut's far clusters are weighed as the importance does it, anywhere in the cell") {
+    const LightBvh<MeansNode> bvh = build_light_bvh<MeansNode>(facing_all_ways());
+    const CutPlace place{{0.2f, -1.5f, 0.1f}, {0, 1, 0}, 0.02f};
+    ClusterCut cut;
+    CutEvidence evidence;
+    rebuild_cut(bvh, LeafOrder(bvh), place, cut, evidence);
+    REQUIRE(cut.near_size + 50 < cut.size);
+    ClusterCut near = cut;
+    near.near_size = ClusterCut::kMaxSize;
+    RandomStream random(8);
+    double off = 0.0, sum = 0.0;
+    for (int k = 0; k < 100; ++k) {
+        const float x = random.next(), y = random.next(), z = random.next();
+        const float3 away = (float3{x, y, z} * 2.0f - float3{1, 1, 1}) * place.radius;
+        const float3 tilted{0.5f * x, 1.0f, 0.5f * z};
+        const float3 normal = tilted * (1.0f / length(tilted));
+        const Receiver receiver(place.position + away, normal);
+        const Receiver in_volume(place.position + away, {0, 0, 0});
+        for (std::uint32_t at = 0; at < cut.size; ++at) {
+            const float weight = cut_kernels().weight_of(cut, at, receiver);
+            const float exact = cut_kernels().weight_of(near, at, receiver);
+            if (at < cut.near_size) CHECK(weight == exact);
+            // No light is lost that the importance would find.
+            if (exact > 0.0f) CHECK(weight > 0.0f);
+            off += std::abs(double{weight} - double{exact});
+            sum += double{exact};
+            const float of_volume = cut_kernels().weight_of(cut, at, in_volume);
+            CHECK(of_volume == cut_kernels().weight_of(near, at, in_volume));
+        }
+    }
+    CHECK(off > 0.0);
+    CHECK(off < 0.05 * sum);
+}
+
+TEST_CASE("a cut's places hold each cluster once, near ones first") {
+    const LightBvh<MeansNode> bvh = build_light_bvh<MeansNode>(facing_all_ways());
+    ClusterCut cut;
+    CutEvidence evidence;
+    rebuild_cut(bvh, LeafOrder(bvh), {{0.2f, -1.5f, 0.1f}, {0, 1, 0}, 0.02f}, cut, evidence);
+    CHECK(cut.near_size % ClusterCut::kBlock == 0);
+    for (std::uint32_t i = 0; i < cut.size; ++i) {
+        CHECK(cut.cluster_at[cut.place_of[i]] == i);
+        CHECK((cut.far_scale[i] > 0.0f) == (i >= cut.near_size));
+    }
+    // A cell that is as wide as all the lights has no far ones.
+    rebuild_cut(bvh, LeafOrder(bvh), {{0, 0, 0}, {0, 0, 0}, 1.0f}, cut, evidence);
+    CHECK(cut.near_size >= cut.size);
 }
 
 }  // namespace lightcull
