@@ -31,6 +31,17 @@ LightTable facing_all_ways() {
     return make_light_table(lights);
 }
 
+/// So many lights that no cluster of a cut is a single one.
+LightTable many_points() {
+    std::vector<Light> lights;
+    RandomStream random(9);
+    for (int i = 0; i < 20000; ++i) {
+        const float x = random.next(), y = random.next(), z = random.next();
+        lights.push_back(point_light(float3{x - 0.5f, y - 0.5f, z - 0.5f} * 2.0f, 1.0f));
+    }
+    return make_light_table(lights);
+}
+
 /// The sum over the lights of each cluster of what a receiver is given.
 std::vector<double> given_by_lights(const LightBvh<MeansNode>& bvh, const LeafOrder& leaves,
                                     const ClusterCut& cut, const Receiver& receiver) {
@@ -109,12 +120,12 @@ TEST_CASE("a cut leaves every cluster a fourth of its weight, whatever its parts
 }
 
 TEST_CASE("a cut's far clusters are weighed as the importance does it, anywhere in the cell") {
-    const LightBvh<MeansNode> bvh = build_light_bvh<MeansNode>(facing_all_ways());
-    const CutPlace place{{0.2f, -1.5f, 0.1f}, {0, 1, 0}, 0.02f};
+    const LightBvh<MeansNode> bvh = build_light_bvh<MeansNode>(many_points());
+    const CutPlace place{{0.1f, -0.3f, 0.2f}, {0, 1, 0}, 0.05f};
     ClusterCut cut;
     CutEvidence evidence;
     rebuild_cut(bvh, LeafOrder(bvh), place, cut, evidence);
-    REQUIRE(cut.near_size + 50 < cut.size);
+    REQUIRE(cut.near_size < cut.size);
     ClusterCut near = cut;
     near.near_size = ClusterCut::kMaxSize;
     RandomStream random(8);
@@ -138,8 +149,9 @@ TEST_CASE("a cut's far clusters are weighed as the importance does it, anywhere 
             CHECK(of_volume == cut_kernels().weight_of(near, at, in_volume));
         }
     }
+    CAPTURE(off / sum);
     CHECK(off > 0.0);
-    CHECK(off < 0.05 * sum);
+    CHECK(off < 0.04 * sum);
 }
 
 TEST_CASE("a cut's places hold each cluster once, near ones first") {
