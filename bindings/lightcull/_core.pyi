@@ -319,8 +319,8 @@ class LearnedView:
         """The light whose visibility differs most from pixel to pixel, of some hundreds."""
 
     @property
-    def light_position(self) -> tuple[float, float, float]:
-        """Metres."""
+    def light_position(self) -> tuple[float, float, float] | None:
+        """Metres; None for a directional light."""
 
     @property
     def cell_count(self) -> int:

@@ -79,13 +79,14 @@ std::optional<LearnedView> learned_view(const LightSampler& sampler, const Scene
     const PixelPoints pixels = pixel_points(scene, settings);
     const auto light = most_telling_light(sampler, *info, pixels);
     if (!light) return {};
+    const Light shown = scene.lights()[*light];
     LearnedView view{settings.width,
                      settings.height,
                      std::vector<std::int32_t>(pixels.size(), -1),
                      std::vector<float>(pixels.size(), std::numeric_limits<float>::quiet_NaN()),
                      std::vector<float3>(pixels.size(), float3{0, 0, 0}),
                      *light,
-                     scene.lights()[*light].center,
+                     shown.directional ? std::nullopt : std::optional(shown.center),
                      info->cell_count(),
                      info->cell_memory_size()};
     for (std::size_t i = 0; i < pixels.size(); ++i) {

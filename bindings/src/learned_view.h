@@ -18,9 +18,9 @@ struct LearnedView {
     std::vector<float> visibility;    ///< SamplerInfo::learned_visibility() of `light`
     std::vector<float3> normals;      ///< towards the camera, unit length; 0 where nothing is seen
     std::uint32_t light;
-    float3 light_position;    ///< metres
-    std::size_t cell_count;   ///< cells there are, seen or not
-    std::size_t memory_size;  ///< bytes that they take
+    std::optional<float3> light_position;  ///< metres; none: infinitely far
+    std::size_t cell_count;                ///< cells there are, seen or not
+    std::size_t memory_size;               ///< bytes that they take
 };
 
 /// `light` is the one whose visibility differs most from pixel to pixel, of some hundreds that the

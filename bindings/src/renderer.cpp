@@ -185,8 +185,9 @@ void bind_renderer(py::module_& module) {
              [](const LearnedView& v) { return array_from_image(v.normals, v.width, v.height); })
         .def_readonly("light", &LearnedView::light)
         .def_property_readonly("light_position",
-                               [](const LearnedView& v) {
-                                   const float3& p = v.light_position;
+                               [](const LearnedView& v) -> py::object {
+                                   if (!v.light_position) return py::none();
+                                   const float3& p = *v.light_position;
                                    return py::make_tuple(p.x, p.y, p.z);
                                })
         .def_readonly("cell_count", &LearnedView::cell_count)

@@ -550,6 +550,15 @@ def test_json_and_page_say_what_was_learned(learned_folder: Path) -> None:
         assert base64.b64encode(png).decode("ascii") in text
 
 
+def test_a_sun_whose_visibility_is_shown_has_no_place(tmp_path: Path) -> None:
+    learned = make_learned()
+    learned.light_position = None
+    report.write(make_comparison(learned=make_run(0.1, learned=learned)), tmp_path)
+    samplers = json.loads((tmp_path / "report.json").read_text())["samplers"]
+    assert samplers["learned"]["learned"]["light_position"] is None
+    assert "infinitely far" in (tmp_path / "index.html").read_text(encoding="utf-8")
+
+
 def test_page_is_silent_where_nothing_was_learned(page_text: str) -> None:
     assert "What was learned" not in page_text
 

@@ -34,8 +34,8 @@ class LearnedFigures:
     """Memory that they take."""
     light: int
     """Index of the light."""
-    light_position: tuple[float, float, float]
-    """Metres."""
+    light_position: tuple[float, float, float] | None
+    """Metres; None for a directional light."""
 
 
 @with_field_docs
@@ -358,9 +358,12 @@ def _metric(values: Sequence[float]) -> MetricFigures:
 def _of_learned(learned: Learned | None) -> LearnedFigures | None:
     if learned is None:
         return None
-    x, y, z = (float(coordinate) for coordinate in learned.light_position)
+    position = learned.light_position
+    if position is not None:
+        x, y, z = (float(coordinate) for coordinate in position)
+        position = (x, y, z)
     return LearnedFigures(
-        int(learned.cell_count), int(learned.memory_size), int(learned.light), (x, y, z)
+        int(learned.cell_count), int(learned.memory_size), int(learned.light), position
     )
 
 

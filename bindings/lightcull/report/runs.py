@@ -95,8 +95,8 @@ class Learned:
     """float32 (H, W, 3): of what the pixels show, unit length, towards the camera; 0 for nothing."""
     light: int
     """Index of a light whose visibility differs much from pixel to pixel."""
-    light_position: tuple[float, float, float]
-    """Metres."""
+    light_position: tuple[float, float, float] | None
+    """Metres; None for a directional light."""
     cell_count: int
     """Cells that there are, seen or not."""
     memory_size: int
