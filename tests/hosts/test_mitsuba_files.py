@@ -17,6 +17,7 @@ import lightcull  # noqa: E402
 from lightcull.camera import View  # noqa: E402
 from lightcull.loaders.completion import surround  # noqa: E402
 from lightcull.mitsuba import MitsubaScene, import_scene, load_file  # noqa: E402
+from lightcull.mitsuba.cameras import camera_of  # noqa: E402
 
 SPP = 64
 TOLERANCE = 0.01
@@ -225,7 +226,7 @@ def test_films_of_other_pixel_formats(tmp_path: Path, pixel_format: str, is_grey
 @pytest.mark.parametrize(
     ("integrator", "stage", "said"),
     [
-        ('<integrator type="path"/>', "", "has no sensor"),
+        ('<integrator type="path"/>', "", "holds no shapes"),
         ('<integrator type="path"/>', STAGE.replace("hdrfilm", "specfilm"), "specfilm"),
         ('<integrator type="path"/>', STAGE.replace("hdrfilm", "nonesuch"), 'Plugin "nonesuch"'),
         ('<integrator type="path"><integer name="max_depth" value="0"/></integrator>', STAGE,
@@ -359,10 +360,40 @@ def test_other_cameras_show_the_same_in_both_renderers(
 def test_a_camera_makes_up_for_a_sensor_that_is_missing(tmp_path: Path) -> None:
     bare = STAGE[STAGE.index("<emitter") :]
     host, _ = loaded(write(tmp_path, PATH_OF_2, bare))
-    with pytest.raises(lightcull.Error, match="has no sensor"):
-        lightcull.render(host, spp=1)
     host.use_camera(View(origin=(0, 2, 6), target=(0, 0.6, 0)))
     assert lightcull.render(host, spp=4).image.shape == (240, 320, 3)
+
+
+PLACED = """
+import mitsuba as mi
+from lightcull.mitsuba import MitsubaScene
+from lightcull.mitsuba.cameras import camera_of
+mi.set_variant("llvm_ad_rgb")
+things = {"thing": {"type": "cube"}, "sky": {"type": "constant"}}
+host = MitsubaScene(mi.load_dict({"type": "scene", **things}))
+print(*camera_of(host.sensor).origin)
+"""
+
+
+def test_where_there_is_no_sensor_one_is_placed() -> None:
+    things = {"thing": {"type": "cube"}, "sky": {"type": "constant"}}
+    host = MitsubaScene(mi.load_dict({"type": "scene", **things}))
+    with pytest.warns(lightcull.UnsupportedWarning, match="no camera: one is placed"):
+        placed = camera_of(host.sensor)
+    assert placed is not None
+    # From the front, a little from the right and from above; the cube is all that it sees.
+    away = np.array(placed.origin)
+    assert away / np.linalg.norm(away) == pytest.approx(np.array([0.42, 0.34, 0.84]), abs=0.1)
+    image = lightcull.render(host, spp=16, max_depth=2).image[..., 0]
+    cube = abs(image - 1) > 0.05
+    rows, columns = cube.any(axis=1), cube.any(axis=0)
+    assert not (rows[[0, -1]].any() or columns[[0, -1]].any())
+    assert rows.mean() > 0.85
+    # Mitsuba cannot change to this variant in a process that has rendered by another.
+    command = [sys.executable, "-W", "ignore", "-c", PLACED]
+    told = subprocess.run(command, check=True, capture_output=True, text=True).stdout
+    assert [float(number) for number in told.split()] == pytest.approx(placed.origin, rel=1e-3)
+    assert import_scene(host).camera.origin == pytest.approx(placed.origin, rel=1e-3)
 
 
 @pytest.mark.parametrize("given", ["0.2,0.4,0.8", "sky.exr", "studio", "none"])

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import importlib
 from typing import Any
 
 import numpy as np
 
 from ..camera import Camera, triple
+from ..views import Distances
 from .host import mitsuba
 
 _SIZE = (320, 240)
@@ -62,6 +64,23 @@ def sensor_of(camera: Camera, like: Any) -> Any:
             "focus_distance": camera.focus_distance,
         }
     return mi.load_dict(sensor | {"to_world": transform})
+
+
+def distances_in(scene: Any) -> Distances:
+    """By which an automatic camera looks about in a scene of Mitsuba's."""
+    mi, dr = mitsuba(), importlib.import_module("drjit")
+
+    def met(origin: Any, way: Any) -> Any:
+        hit = scene.ray_intersect(mi.Ray3f(mi.Point3f(origin), mi.Vector3f(way)))
+        return hit.t * mi.Float(dr.select(dr.dot(hit.n, mi.Vector3f(way)) > 0, -1.0, 1.0))
+
+    def distances(origins: np.ndarray, ways: np.ndarray) -> np.ndarray:
+        if mi.variant().startswith("scalar"):
+            rays = zip(origins.tolist(), ways.tolist(), strict=True)
+            return np.array([met(*ray) for ray in rays], np.float32)
+        return np.array(met(origins.T, ways.T), np.float32)
+
+    return distances
 
 
 def _number(value: Any) -> float:

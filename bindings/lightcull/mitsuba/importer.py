@@ -65,10 +65,7 @@ class _Import:
     # ---- camera ----------------------------------------------------------------------------------
 
     def _add_cameras(self) -> None:
-        sensors = self._source.scene.sensors()
-        if not sensors:
-            self._notes.remark("it has no sensor")
-        for sensor in sensors:
+        for sensor in self._source.scene.sensors():
             camera = camera_of(sensor)
             if camera is None:
                 self._notes.left_out(f"sensor {sensor.class_name()}")
@@ -80,7 +77,7 @@ class _Import:
             if any(offsets):
                 self._notes.left_out("offset of the principal point")
             self._scene.add_camera(camera)
-        seen_by = camera_of(self._source.sensor) if sensors else None
+        seen_by = camera_of(self._source.sensor) if self._source.scene.shapes() else None
         if seen_by is not None and seen_by.parameters != self._scene.camera.parameters:
             self._scene.set_camera(*seen_by.parameters)
 

@@ -6,6 +6,7 @@ import hashlib
 import importlib
 import os
 import re
+import warnings
 from typing import Any
 
 import numpy as np
@@ -14,9 +15,11 @@ from .._core import Error
 from ..camera import Camera, View, chosen_camera
 from ..file_settings import FileSettings
 from ..loaders.completion import CameraChoice
+from ..loaders.unsupported import UnsupportedWarning
 from ..rendering.settings import RenderSettings
 from ..surroundings import Environment, is_auto, texels_of
-from .cameras import camera_of, sensor_of
+from ..views import automatic_camera
+from .cameras import camera_of, distances_in, sensor_of
 from .file_integrator import DIRECT_DEPTH, PATH, FileIntegrator
 from .host import build_digest, mitsuba
 from .mitsuba_job import MitsubaJob, check_film
@@ -58,11 +61,16 @@ class MitsubaScene:
 
     @property
     def sensor(self) -> Any:
-        """What it is seen by: the first of the file unless another was chosen. Raises Error if
-        there is none.
+        """What it is seen by: the first of the file unless another was chosen. Where there is none
+        one is placed, of which an UnsupportedWarning tells. Raises Error if there is no shape.
         """
         if self._sensor is None:
-            raise Error(f"{self.name}: has no sensor: --camera-from says from where it is seen")
+            bounds = self.bounds
+            if bounds is None:
+                raise Error(f"{self.name}: holds no shapes")
+            placed, said = automatic_camera(bounds, distances_in(self.scene))
+            self._sensor = sensor_of(placed, None)
+            warnings.warn(f"{self.name}: {said}", UnsupportedWarning, stacklevel=2)
         return self._sensor
 
     def use_camera(self, camera: CameraChoice) -> None:
@@ -131,7 +139,7 @@ class MitsubaScene:
         return str(self._variant)
 
     def digest(self) -> str:
-        seen_by = hashlib.blake2b(str(self._sensor).encode(), digest_size=16).hexdigest()
+        seen_by = hashlib.blake2b(str(self.sensor).encode(), digest_size=16).hexdigest()
         return f"{self._digest}-{seen_by}-{self._variant}-{build_digest()}"
 
     def check_sampler(self, description: str) -> None:
