@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import io
 import json
+import time
 from collections.abc import Callable
 from dataclasses import FrozenInstanceError
 from importlib.metadata import entry_points
@@ -11,12 +13,13 @@ from subprocess import CompletedProcess
 
 import numpy as np
 import pytest
+from rich.console import Console
 from rich.table import Table
 
 import lightcull
 from conftest import Outcome
 from gltf_file import GltfFile
-from lightcull.cli import options
+from lightcull.cli import options, progress_bars
 from lightcull.cli.parser import make_parser
 from lightcull.cli.tables import print_table
 from lightcull.scenes import NAMES
@@ -70,6 +73,20 @@ def test_a_table_is_printed_whole_where_there_is_no_room(
     assert "light_bvh:importance=means" in shown
     assert "0.987654321" in shown
     assert "last" in shown
+
+
+@pytest.mark.parametrize("patience", [0.0, 1e6])
+def test_a_file_that_takes_long_is_said_to_be_read(
+    monkeypatch: pytest.MonkeyPatch, patience: float
+) -> None:
+    terminal = io.StringIO()
+    shown = Console(file=terminal, force_terminal=True)
+    monkeypatch.setattr(progress_bars, "Console", lambda **_: shown)
+    monkeypatch.setattr(progress_bars, "PATIENCE", patience)
+    with progress_bars.reading("a[b].ply"):
+        while patience == 0 and "reading a[b].ply" not in terminal.getvalue():
+            time.sleep(0.01)
+    assert ("reading" in terminal.getvalue()) == (patience == 0)
 
 
 def test_help_teaches(main_here: Run) -> None:

@@ -2,13 +2,40 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+from threading import Timer
 from types import TracebackType
 
 from rich.console import Console
+from rich.markup import escape
 from rich.progress import BarColumn, TaskID, TaskProgressColumn, TextColumn
 from rich.progress import Progress as RichProgress
 
 from ..rendering.progress import Progress
+
+
+PATIENCE = 1.0
+"""Seconds of work without a word."""
+
+
+@contextmanager
+def reading(name: str) -> Iterator[None]:
+    """Says at a terminal that a file is being read, where that takes long."""
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        yield
+        return
+    status = console.status(f"reading {escape(name)}")
+    said = Timer(PATIENCE, status.start)
+    said.daemon = True
+    said.start()
+    try:
+        yield
+    finally:
+        said.cancel()
+        said.join()
+        status.stop()
 
 
 class Bars:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from .._core import Error
 from ..loaders import open_scene
 from ..scene import Scene
+from .progress_bars import reading
 from .view_option import look_of
 
 if TYPE_CHECKING:  # importing it wants Mitsuba, which is optional
@@ -26,7 +27,8 @@ def open_any(options: argparse.Namespace) -> AnyScene:
     if not is_xml and options.host is not None:
         raise Error(f"{options.scene}: --host mitsuba is for an .xml scene of Mitsuba's")
     _refuse(options, _OURS if is_xml else _MITSUBA, is_xml)
-    return _open_mitsuba(options) if is_xml else open_ours(options)
+    with reading(options.scene):
+        return _open_mitsuba(options) if is_xml else open_ours(options)
 
 
 def open_ours(options: argparse.Namespace) -> Scene:
