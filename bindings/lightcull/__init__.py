@@ -18,6 +18,9 @@ Metres, radians, linear RGB. Arrays are C-contiguous float32 (N, 3), ids uint32.
 #   comparing, methods, bench, selftest   measurements made of renders and selections
 #   mitsuba           scenes of Mitsuba's, rendered there or here
 #   cli               the command
+#
+# Large packages for reports and files (flip_evaluator, jinja2, matplotlib, Pillow) are imported by
+# the functions that use them, so that `import lightcull` and a render wait for none of them.
 
 from ._core import COUNTS, LIGHT, LOBE, SELECTION, Error
 from ._core import VERSION as __version__

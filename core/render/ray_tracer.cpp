@@ -14,7 +14,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstring>
-#include <numeric>
 #include <string>
 #include <vector>
 
@@ -43,21 +42,25 @@ constexpr float kTraced = 1.0f - 0x1p-22f;
 
 /// Fills a packet with rays in units of 1 / scale metres and returns how many of its lanes are in
 /// use. Directions only grow: Embree takes small parts of them for 0.
+///
+/// The others repeat the last ray, its id too, and end before they begin: Embree 3 asks `valid` only
+/// where the processor has vectors of 16, and else would trace what they hold.
 std::size_t fill(Span<const Ray> rays, std::size_t first, float scale, RTCRay16& packet,
                  int* valid) noexcept {
     const std::size_t count = std::min(kPacket, rays.size() - first);
     const float stretch = std::max(scale, 1.0f), shortening = std::min(scale, 1.0f);
     for (std::size_t i = 0; i < kPacket; ++i) {
-        // Idle lanes repeat the last ray, so that they hold numbers.
-        const Ray& ray = rays[first + std::min(i, count - 1)];
+        const std::size_t k = std::min(i, count - 1);
+        const Ray& ray = rays[first + k];
         valid[i] = i < count ? -1 : 0;
+        packet.id[i] = static_cast<unsigned>(k);
         packet.org_x[i] = ray.origin.x * scale;
         packet.org_y[i] = ray.origin.y * scale;
         packet.org_z[i] = ray.origin.z * scale;
         packet.dir_x[i] = ray.direction.x * stretch;
         packet.dir_y[i] = ray.direction.y * stretch;
         packet.dir_z[i] = ray.direction.z * stretch;
-        packet.tfar[i] = ray.end * shortening;
+        packet.tfar[i] = i < count ? ray.end * shortening : -1.0f;
     }
     return count;
 }
@@ -226,7 +229,6 @@ void RayTracer::occluded(Span<const Ray> rays, Span<std::uint8_t> occluded) cons
     RTCRay16 packet;
     alignas(64) int valid[kPacket];
     prepare(packet);
-    std::iota(packet.id, packet.id + kPacket, 0u);
     for (std::size_t first = 0; first < rays.size(); first += kPacket) {
         const std::size_t count = fill(rays, first, handles_->scale, packet, valid);
         for (float& end : packet.tfar) end *= kTraced;

@@ -7,7 +7,6 @@ from collections.abc import Callable
 from typing import TypeAlias
 
 import numpy as np
-from PIL import Image
 
 from .._core import Error, read_image
 from ..scene import Scene
@@ -60,6 +59,8 @@ class Textures:
 
 def decode(data: bytes) -> tuple[np.ndarray, np.ndarray | None]:
     """Colours, uint8 or uint16 (H, W, 3) or (H, W), and alpha, (H, W), unless it is all opaque."""
+    from PIL import Image
+
     with Image.open(io.BytesIO(data)) as image:
         image.load()
         if image.mode.startswith("I"):

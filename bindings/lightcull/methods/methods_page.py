@@ -7,12 +7,9 @@ from __future__ import annotations
 import base64
 import json
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import jinja2
 import numpy as np
-from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from ..images import view_names, write_exr
 from ..output_files import write_whole_file
@@ -20,9 +17,14 @@ from ..report import page, pictures, plots, tables
 from ..report.write import file_stem
 from .findings import Cell, MethodReport, Plot
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 
 def write(report: MethodReport, folder: Path) -> Path:
     """Writes all of it; returns the path of index.html."""
+    import jinja2
+
     images: dict[str, str] = {}
     view = view_names()[0]
     for study in report.studies:
@@ -64,6 +66,9 @@ def write(report: MethodReport, folder: Path) -> Path:
 
 def draw(plot: Plot) -> Figure:
     """Log-log."""
+    from matplotlib.figure import Figure
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
     figure = Figure(figsize=(7.0, 3.8), layout="constrained")
     axes: Any = figure.subplots()
     axes.set(xscale="log", yscale="log", xlabel=plot.x_label, ylabel=plot.y_label)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import matplotlib.colors
 import numpy as np
 
 from ..scene import Scene
@@ -176,6 +175,8 @@ def _charts(alpha: float, found: dict[str, Measured]) -> list[Picture]:
 def heat_map(lights_of_pixels: np.ndarray, most: float) -> np.ndarray:
     """float32 (H, W, 3), [0, 1]: brightness by the lights listed, up to `most`; hue by the part of
     them that is not accepted, blue to red."""
+    import matplotlib.colors
+
     listed, accepted = lights_of_pixels[..., 0], lights_of_pixels[..., 1]
     brightness = np.clip(np.log1p(listed) / np.log1p(max(most, 1.0)), 0, 1)
     true = np.divide(accepted, listed, out=np.zeros_like(listed), where=listed > 0)

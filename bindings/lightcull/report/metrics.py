@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import math
 
-import flip_evaluator
 import numpy as np
 
 BLUR_SIZE = 7
@@ -148,6 +147,8 @@ def flip_map(image: np.ndarray, reference: np.ndarray) -> np.ndarray:
     is the package's default, 67 pixels per degree.
     Source: Andersson et al., "Visualizing Errors in Rendered High Dynamic Range Images", 2021.
     """
+    import flip_evaluator
+
     x, r = _pair(image, reference)
     if not r.any():
         raise ValueError("FLIP has no exposures to look at: the reference is black")

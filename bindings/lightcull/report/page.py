@@ -9,8 +9,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import jinja2
-
 from . import pictures, plots
 from .errors import METRICS
 from .figures import ComparisonFigures, SamplerFigures
@@ -85,6 +83,8 @@ def render(
     sampler); learned: PNG files "cells" and "visibility" of samplers that have learned; view: what
     the images were made with.
     """
+    import jinja2
+
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("lightcull.report", "."),
         autoescape=True,

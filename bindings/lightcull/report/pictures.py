@@ -6,10 +6,7 @@ import io
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import matplotlib
-import matplotlib.colors
 import numpy as np
-from PIL import Image
 
 from ..images import apply_view
 from . import metrics
@@ -95,6 +92,8 @@ def to_palette(kind: ErrorMap, values: np.ndarray) -> np.ndarray:
 
 def palette() -> np.ndarray:
     """The colours of error maps, dark to bright: (256, 3) uint8."""
+    import matplotlib
+
     colors = matplotlib.colormaps[COLOR_MAP](np.arange(256))[:, :3]
     return np.round(255.0 * colors).astype(np.uint8)
 
@@ -104,6 +103,8 @@ def cell_picture(cells: np.ndarray, normals: np.ndarray) -> np.ndarray:
 
     cells, normals: as in `Learned`.
     """
+    import matplotlib.colors
+
     number = np.maximum(cells, 0).astype(np.uint64)
     # Hues of cells that were made one after the other, which are often neighbours, lie far apart.
     hue = number * 0x9E3779B1 % 2**32 / 2**32
@@ -125,6 +126,8 @@ def visibility_picture(visibility: np.ndarray) -> np.ndarray:
 
 def encode_png(pixels: np.ndarray) -> bytes:
     """PNG of (H, W, 3) uint8, or of (H, W) uint8 that index into `palette`."""
+    from PIL import Image
+
     picture = Image.fromarray(pixels)
     if pixels.ndim == 2:
         picture.putpalette(palette().tobytes())

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import io
 import re
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import matplotlib
 import numpy as np
-from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter
 
 from .figures import ComparisonFigures
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 INK, FAINT = "#1c1f24", "#9aa1ab"
 KNOWN_COLORS = {
@@ -39,6 +39,8 @@ def error_against_time(figures: ComparisonFigures) -> Figure:
     """Log-log, a curve for each sampler with a band of its 95 % intervals, a 1/t guide, and the noise
     of the reference itself.
     """
+    from matplotlib.figure import Figure
+
     figure = Figure(figsize=(8.0, 4.6), layout="constrained")
     axes = figure.subplots()
     axes.set(xscale="log", yscale="log", xlabel="seconds", ylabel="relMSE")
@@ -62,6 +64,8 @@ def error_against_time(figures: ComparisonFigures) -> Figure:
 
 def to_svg(figure: Figure) -> str:
     """The figure as an <svg> element to be put into HTML."""
+    import matplotlib
+
     stream = io.StringIO()
     nothing = {"Date": None, "Creator": None, "Format": None, "Type": None}
     with matplotlib.rc_context({"svg.fonttype": "none", "svg.hashsalt": "lightcull"}):
@@ -73,6 +77,8 @@ def to_svg(figure: Figure) -> str:
 
 
 def _style(axes: Any) -> None:
+    from matplotlib.ticker import FuncFormatter
+
     for side in ("top", "right"):
         axes.spines[side].set_visible(False)
     for side in ("left", "bottom"):
