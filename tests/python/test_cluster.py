@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import random
+import shutil
 import signal
 import subprocess
 import sys
@@ -18,6 +19,7 @@ import pytest
 
 pytest.importorskip("distributed", reason="lightcull[cluster] is not installed")
 
+import dask  # noqa: E402
 import distributed  # noqa: E402
 import psutil  # noqa: E402
 
@@ -650,6 +652,52 @@ def test_no_cluster_at_all(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     with pytest.raises(lightcull.Error, match=r"wants Dask: pip install 'lightcull\[cluster\]'"):
         render("local:2")
+
+
+TLS_SCHEDULER = """
+import asyncio, sys
+import distributed
+from distributed.security import Security
+key, certificate = sys.argv[1:]
+security = Security(
+    tls_ca_file=certificate, require_encryption=True,
+    **{f"tls_{who}_{what}": file for who in ("scheduler", "worker", "client")
+       for what, file in (("key", key), ("cert", certificate))},
+)
+async def main():
+    host = {"host": "tls://127.0.0.1", "security": security}
+    async with distributed.Scheduler(port=0, dashboard=False, **host) as scheduler:
+        async with distributed.Worker(scheduler.address, nthreads=1, dashboard=False, **host):
+            print(scheduler.address, flush=True)
+            await scheduler.finished()
+asyncio.run(main())
+"""
+
+
+@pytest.mark.skipif(shutil.which("openssl") is None, reason="there is no openssl")
+def test_certificates_of_dask_s_configuration_are_used(tmp_path: Path) -> None:
+    """And a client without them is not let in."""
+    key, certificate = str(tmp_path / "key.pem"), str(tmp_path / "certificate.pem")
+    make = ("openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes")
+    names = ("-subj", "/CN=lightcull", "-keyout", key, "-out", certificate)
+    subprocess.run([*make, *names], check=True, capture_output=True)
+    scheduler = subprocess.Popen(
+        [sys.executable, "-c", TLS_SCHEDULER, key, certificate],
+        stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
+    )  # fmt: skip
+    assert scheduler.stdout is not None
+    address = scheduler.stdout.readline().strip()
+    assert address.startswith("tls://127.0.0.1:")
+    settings = {"client.key": key, "client.cert": certificate, "ca-file": certificate}
+    config = {f"distributed.comm.tls.{name}": value for name, value in settings.items()}
+    with dask.config.set({**config, "distributed.comm.require-encryption": True}):
+        shared = render(address, sampler="culled")
+    assert same_bits(shared, render(sampler="culled"))
+    with pytest.raises(lightcull.Error, match="cluster: tls://.*: no scheduler answers: .*TLS"):
+        render(address, sampler="culled")
+    scheduler.kill()
+    scheduler.wait()
 
 
 def test_nothing_listens_beyond_loopback() -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from concurrent.futures import CancelledError
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
@@ -12,7 +11,7 @@ from distributed import Client, Future, KilledWorker
 
 from ..cluster_access import ClusterError
 from ..chunk import Chunk
-from .lost import check_alive, named_loss
+from .lost import named_loss
 from .pool import Pool
 
 Found = TypeVar("Found")
@@ -22,6 +21,8 @@ _AHEAD = 2
 _TRIES = 4
 """Of a chunk whose workers die; Dask tries each a few times by itself."""
 _SECONDS_BETWEEN = 0.005
+_LONGEST_TRANSFER = 60.0
+"""Seconds in which sums that are there come here."""
 
 
 @dataclass
@@ -91,7 +92,7 @@ class Flow:
     def _send_ahead(self) -> None:
         workers = self._pool.addresses
         for sent in self._sent.values():
-            if sent.future.status == "pending" and not set(sent.workers) & set(workers):
+            if not sent.future.done() and not set(sent.workers) & set(workers):
                 self._send_again(sent)
         while len(self._sent) < _AHEAD * len(workers):
             chunk = self._chunk_after(self._end)
@@ -122,15 +123,15 @@ class Flow:
             self._take_error(sent, sent.future.exception())
             return None
         try:
-            return sent.future.result()
-        except CancelledError:
-            check_alive(self._client)
-            self._send_again(sent)
+            return sent.future.result(timeout=_LONGEST_TRANSFER)
+        except TimeoutError:  # whoever held it has died meanwhile, and it is rendered again
             return None
 
     def _take_error(self, sent: _Sent, error: BaseException) -> None:
         if not isinstance(error, KilledWorker):
             raise ClusterError(f"cluster: {type(error).__name__}: {error}") from error
+        if not self._pool.addresses:
+            return  # until there is somebody who may try
         sent.deaths += 1
         if sent.deaths == _TRIES:
             chunk = sent.chunk

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from distributed import Client
+from distributed import CancelledError, Client
 from distributed.comm import CommClosedError
 
 from ..cluster_access import ClusterError
@@ -19,10 +19,10 @@ def check_alive(client: Client) -> None:
 
 @contextmanager
 def named_loss() -> Iterator[None]:
-    """What Dask raises where the connection breaks becomes a ClusterError."""
+    """What Dask raises where the connection breaks, or has been broken since, becomes a ClusterError."""
     try:
         yield
-    except (CommClosedError, OSError, TimeoutError) as error:
+    except (CancelledError, CommClosedError, OSError, TimeoutError) as error:
         raise _gone() from error
 
 
