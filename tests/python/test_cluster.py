@@ -393,19 +393,31 @@ def test_nobody_is_there_for_long(
 # ---- long renders --------------------------------------------------------------------------------
 
 
+def tasks_at(dask_scheduler: distributed.Scheduler) -> int:
+    """How many the scheduler knows."""
+    return len(dask_scheduler.tasks)
+
+
 def test_a_thousand_chunks_do_not_grow(workers: Callable[[int], str], cluster: Processes) -> None:
     """Of 0.46 MB each: neither here, nor where they are rendered, nor at the scheduler."""
     address = workers(2)
     pids = [os.getpid(), *map(cluster.pid, [address, *cluster.workers])]
     sizes: dict[int, list[int]] = {}
+    tasks: list[int] = []
 
-    def look(step: lightcull.Progress) -> None:
-        if step.spp in (200, 1000):
-            sizes[step.spp] = [psutil.Process(pid).memory_info().rss for pid in pids]
+    with distributed.Client(address, set_as_default=False) as client:
 
-    options = {"sampler": "uniform", "size": (160, 120), "max_depth": 2, "chunk": 1, "spp": 1000}
-    shared = render(address, progress=look, **options)
+        def look(step: lightcull.Progress) -> None:
+            if step.spp % 100 == 0:
+                tasks.append(client.run_on_scheduler(tasks_at))
+            if step.spp in (200, 1000):
+                sizes[step.spp] = [psutil.Process(pid).memory_info().rss for pid in pids]
+
+        options = {"sampler": "uniform", "size": (160, 120), "max_depth": 2, "chunk": 1, "spp": 1000}
+        shared = render(client, progress=look, **options)
     assert shared.stats.spp == 1000
+    # Two for each worker; those that were taken may not be forgotten yet.
+    assert max(tasks) <= 8, tasks
     growth = [after - before for before, after in zip(sizes[200], sizes[1000], strict=True)]
     assert max(growth) < 60 * 2**20, growth  # all that was rendered since is 368 MB
     assert same_bits(shared, render(**options))
@@ -578,6 +590,35 @@ def test_the_command_on_workers_of_this_machine(
     assert result.returncode == 0, result.stderr
     images = [lightcull.read_image(tmp_path / name).tobytes() for name in ("a.exr", "b.exr")]
     assert images[0] == images[1]
+
+
+CTRL_C = """
+import os, signal, sys
+from lightcull.cli import main, progress_bars
+os.setsid()
+shown = progress_bars.Bars.__call__
+def show(bars, progress):
+    shown(bars, progress)
+    if progress.spp == 8:
+        os.killpg(0, signal.SIGINT)
+progress_bars.Bars.__call__ = show
+if __name__ == "__main__":
+    sys.exit(main())
+"""
+
+
+def test_ctrl_c_at_a_terminal_reaches_workers_too(
+    command: Callable[..., subprocess.CompletedProcess[str]], tmp_path: Path
+) -> None:
+    """And they go on until the client has what it waits for."""
+    (tmp_path / "program.py").write_text(CTRL_C)
+    result = command(
+        "render", "cornell", "--sampler", "culled", "--size", "48x32", "--spp", "800000",
+        "--chunk", "8", "--cluster", "local:2", "-o", "a.exr", program=("program.py",),
+    )  # fmt: skip
+    assert result.returncode == 130
+    assert result.stdout.rstrip().endswith("interrupted")
+    assert "Traceback" not in result.stderr
 
 
 def test_a_scheduler_that_is_killed_is_one_line_of_the_command(

@@ -11,6 +11,7 @@ from distributed import Client, LocalCluster
 
 from ... import machine
 from ..._core import Error
+from . import local_worker
 
 _PATIENCE = 10.0
 """Seconds in which a scheduler must answer."""
@@ -54,6 +55,7 @@ def _local(workers: int) -> LocalCluster:
     return LocalCluster(
         n_workers=workers, threads_per_worker=max(machine.core_count() // workers, 1),
         host="127.0.0.1", dashboard_address="127.0.0.1:0", silence_logs=50,
+        preload=local_worker.__name__,
     )  # fmt: skip
 
 

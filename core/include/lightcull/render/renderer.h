@@ -98,9 +98,9 @@ class LIGHTCULL_EXPORT Renderer {
 
     /// Begins a part of the image, to be added to others: the passes from number `first_pass` on.
     /// Sums and statistics are of the part alone, but stats().passes counts on from first_pass.
-    /// learned: LightSampler::learned() of a sampler of this image that has come to rest (or none,
-    /// where there is nothing to learn), which makes the passes the same wherever they are
-    /// rendered.
+    /// learned: LightSampler::learned() of a sampler of this image, from which this one goes on;
+    /// empty: from what it knows. Once learning() is false, parts are the same in whatever order
+    /// they are rendered.
     void begin_part(std::uint64_t first_pass, Span<const std::uint8_t> learned = {});
     /// True as long as passes depend on those before them: see SamplerInfo::learning().
     bool learning() const noexcept;
