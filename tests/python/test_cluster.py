@@ -601,8 +601,8 @@ if __name__ == "__main__":
         before = client.submit(os.getpid, pure=False).result()
         signal.signal(signal.SIGINT, signal.SIG_IGN)
         os.killpg(0, signal.SIGINT)
-        client.submit(time.sleep, 0.5).result()
-        assert client.submit(os.getpid, pure=False).result() == before
+        client.submit(time.sleep, 0.5).result(timeout=60)
+        assert client.submit(os.getpid, pure=False).result(timeout=60) == before
 """
 
 

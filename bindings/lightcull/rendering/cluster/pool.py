@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 import warnings
+from contextlib import suppress
 
 from distributed import Client, Future
 
@@ -13,6 +14,8 @@ from .lost import check_alive
 from .worker import build_id
 
 _SECONDS_BETWEEN = 0.25
+_LONGEST_ANSWER = 5.0
+"""Seconds in which an answer that is there comes here."""
 _PATIENCE = 60.0
 """Seconds without any worker."""
 
@@ -70,8 +73,9 @@ class Pool:
         del self._asked[address]
         if answer.status == "error":
             self.refuse(address, f"it has no lightcull that works: {answer.exception()}")
-        elif answer.status == "finished":
-            theirs, ours = answer.result(), machine.build_id()
+            return
+        with suppress(TimeoutError):  # as of one that has died since
+            theirs, ours = answer.result(timeout=_LONGEST_ANSWER), machine.build_id()
             if theirs == ours:
                 self._good.add(address)
             else:
