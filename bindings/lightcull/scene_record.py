@@ -34,9 +34,9 @@ class SceneRecord:
         """As `replay` takes them."""
         arrays: list[np.ndarray] = []
         text = json.dumps(_plain(self._steps, arrays))
+        named: dict[str, Any] = {f"a{i}": array for i, array in enumerate(arrays)}
         data = BytesIO()
-        steps = np.frombuffer(text.encode(), np.uint8)
-        np.savez(data, steps=steps, **{f"a{i}": array for i, array in enumerate(arrays)})
+        np.savez(data, steps=np.frombuffer(text.encode(), np.uint8), **named)
         return data.getvalue()
 
 

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import warnings
+from typing import cast
 
 from ..scene import Scene
 from ..scene_source import SceneSource
 from . import open_scene
+from .gltf import LightUnit
 
 
 def reopen(source: SceneSource) -> Scene:
@@ -14,8 +16,9 @@ def reopen(source: SceneSource) -> Scene:
     with warnings.catch_warnings():  # whoever opened it first has seen them
         warnings.simplefilter("ignore")
         scene = open_scene(
-            source.name, gltf_lights=source.gltf_lights, environment=source.environment,
-            environment_scale=source.environment_scale, camera=source.camera,
+            source.name, gltf_lights=cast(LightUnit | None, source.gltf_lights),
+            environment=source.environment, environment_scale=source.environment_scale,
+            camera=source.camera,
         )  # fmt: skip
         if source.virtual_lights is not None:
             scene.add_virtual_lights(source.virtual_lights)

@@ -24,7 +24,7 @@ class ChunkFilm:
         """Adds the next chunk."""
         assert chunk.first == self.passes
         self.sums += sums.sums
-        if self._emission is not None:
+        if self._emission is not None and sums.emission is not None:
             self._emission += sums.emission
         self.passes = chunk.end
         self._count(sums.stats)

@@ -90,7 +90,7 @@ class ClusterChunks:
             flow.refuse(answer[1], answer[2])
         return None
 
-    def _kept(self, data: bytes) -> Future:
+    def _kept(self, data: bytes) -> Future[bytes]:
         """Bytes that go to each worker once, and not with each task."""
         with config.set({"distributed.admin.large-graph-warning-threshold": "1 PB"}):
             return self._client.submit(kept, data, key=f"lightcull-{hash_of(data)}")

@@ -30,7 +30,7 @@ class _Sent:
     """A chunk that was sent."""
 
     chunk: Chunk
-    future: Future
+    future: Future[Any]
     workers: list[str]
     """Who may render it."""
     number: int = 0
@@ -108,7 +108,7 @@ class Flow:
             sent.workers = workers
             sent.future = self._submit(sent.chunk, workers, sent.number)
 
-    def _submit(self, chunk: Chunk, workers: list[str], number: int) -> Future:
+    def _submit(self, chunk: Chunk, workers: list[str], number: int) -> Future[Any]:
         return self._client.submit(
             self.task, first=chunk.first, count=chunk.count, **self.arguments,
             key=f"lightcull-{self._key}-{chunk.first}-{chunk.count}-{number}",

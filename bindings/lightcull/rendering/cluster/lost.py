@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from distributed import CancelledError, Client
-from distributed.comm import CommClosedError
+from distributed.comm.core import CommClosedError
 
 from ..cluster_access import ClusterError
 

@@ -25,7 +25,7 @@ class Pool:
 
     def __init__(self, client: Client) -> None:
         self._client = client
-        self._asked: dict[str, Future] = {}
+        self._asked: dict[str, Future[str]] = {}
         self._good: set[str] = set()
         self._refused: dict[str, str] = {}
         """Why, by address."""
