@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import logging
 import re
 from collections.abc import Iterator
@@ -64,5 +65,8 @@ def _client_at(address: str) -> Client:
     try:
         return Client(address, timeout=_PATIENCE, set_as_default=False)
     except (OSError, ValueError, TypeError, RuntimeError) as error:
-        reason = " ".join(str(error).split())
-        raise Error(f"cluster: {address}: no scheduler answers: {reason[:200]}") from error
+        reason = " ".join(str(error).split())[:200]
+    # The client that was not let in is closed now: as rubbish it would be so at any time, also within
+    # the start of another one, which waits for ever then.
+    gc.collect()
+    raise Error(f"cluster: {address}: no scheduler answers: {reason}")
