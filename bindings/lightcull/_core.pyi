@@ -400,6 +400,17 @@ class Renderer:
     def learned(self) -> bytes:
         """What the sampler has learned; empty if it does not."""
 
+    def emission_sums(self) -> np.ndarray:
+        """Those of emission() alone; the same holds as of that."""
+
+    def learning(self) -> bool:
+        """Whether passes depend on those before them."""
+
+    def begin_part(self, first_pass: int, learned: bytes) -> None:
+        """Begins a part of the image, from a pass of that number on, whose sums and statistics are its
+        own, but for the number of passes. learned: of a renderer like this one; empty: none.
+        """
+
     def restore(self, stats: RenderStats, sums: np.ndarray, learned: bytes, /) -> None:
         """Goes on from stats(), sums() and learned() of a renderer like this one."""
 

@@ -15,6 +15,8 @@ from ._core import Error
 from .camera import Camera, chosen_camera, triple
 from .file_settings import FileSettings
 from .scene_digest import SceneDigest
+from .scene_record import SceneRecord, new_record, recorded
+from .scene_source import SceneSource
 
 Vector: TypeAlias = Sequence[float] | np.ndarray
 """Three numbers: metres, a direction, or linear RGB."""
@@ -39,7 +41,10 @@ class Scene:
     >>> scene.set_camera(origin=(0, 2, 8), target=(0, 0, 0))
     """
 
-    def __init__(self, name: str = "scene") -> None:
+    def __init__(self, name: str = "scene", *, recorded: bool = False) -> None:
+        """name: for images and reports. recorded: copies are kept of what is added, so that the scene
+        can be sent to a cluster; one from a file or by name need not be.
+        """
         self.name = checks.text("name", name)
         """What images and reports call it."""
         self.file_settings = FileSettings()
@@ -48,6 +53,9 @@ class Scene:
         self._camera = Camera()
         self._cameras: list[Camera] = []
         self._digest = SceneDigest()
+        self._record: SceneRecord | None = new_record(recorded)
+        self.source: SceneSource | None = None
+        """Where it can be had from again, unless something was added since."""
         self._closed = False
         self._moved = False
         self._lock = threading.Lock()
@@ -65,12 +73,17 @@ class Scene:
         """
         if not isinstance(texels, np.ndarray):
             texels = _core.read_stored_image(checks.path("texture", texels))
+        return self._add_texels(texels, linear_data)
+
+    @recorded
+    def _add_texels(self, texels: np.ndarray, linear_data: bool) -> int:
         texture = self._core.add_texture(texels, bool(linear_data))
         of_texels = (str(texels.dtype), texels.shape, np.ascontiguousarray(texels).data)
         self._digest.add("texture", *of_texels, bool(linear_data))
         self._counts["textures"] += 1
         return texture
 
+    @recorded
     def add_material(
         self,
         kind: Literal["diffuse", "metallic_roughness"] = "diffuse",
@@ -165,12 +178,14 @@ class Scene:
         )
         return self._add_mesh(name, positions, indices, normals, uvs, colors, material, emission)
 
+    @recorded
     def add_point_light(self, position: Vector, intensity: Vector) -> None:
         """Adds a point that emits in all directions. intensity: linear RGB, W/sr."""
         self._core.add_point_light(position, intensity)
         self._digest.add("point", position, intensity)
         self._counts["points"] += 1
 
+    @recorded
     def add_spot_light(
         self, position: Vector, direction: Vector, intensity: Vector, inner: float, outer: float
     ) -> None:
@@ -183,6 +198,7 @@ class Scene:
         self._digest.add("spot", *parameters)
         self._counts["spots"] += 1
 
+    @recorded
     def add_directional_light(self, direction: Vector, irradiance: Vector) -> None:
         """Adds a sun: parallel light from infinity that goes into `direction`.
 
@@ -192,6 +208,7 @@ class Scene:
         self._digest.add("directional", direction, irradiance)
         self._counts["directional lights"] += 1
 
+    @recorded
     def add_virtual_lights(self, light_paths: int, bounces: int = 1, seed: int = 0) -> None:
         """Adds virtual lights to what samplers choose from: lights where paths from the emitters
         and the environment meet surfaces. Last of all: light paths know what was added before.
@@ -224,11 +241,15 @@ class Scene:
         or floats (H, W, 3). scale: one number or three, which multiply it. rotation: radians
         about +Y.
         """
-        texels = _environment_texels(map_or_rgb)
         rgb_scale = (scale,) * 3 if isinstance(scale, Real) else scale
+        self._set_environment(_environment_texels(map_or_rgb), rgb_scale, rotation)
+
+    @recorded
+    def _set_environment(self, texels: np.ndarray, rgb_scale: Any, rotation: float) -> None:
         self._core.set_environment(texels, rgb_scale, checks.number("rotation", rotation))
         self._digest.add("environment", texels, rgb_scale, rotation)
 
+    @recorded
     def set_camera(
         self,
         origin: Vector,
@@ -256,6 +277,7 @@ class Scene:
         self._digest.add("camera", *parameters)
         self._camera = Camera(triple(origin), triple(target), triple(up), *lens)
 
+    @recorded
     def set_mesh_positions(
         self, mesh: int, positions: np.ndarray, normals: np.ndarray | None = None
     ) -> None:
@@ -271,6 +293,7 @@ class Scene:
         self._digest.add("mesh positions", mesh, positions, normals)
         self._include(mesh, positions)
 
+    @recorded
     def set_light_positions(self, positions: np.ndarray) -> None:
         """Moves the points and spots: (N, 3), metres, one for each in the order in which they were
         added.
@@ -280,6 +303,7 @@ class Scene:
             self._moved = True
         self._digest.add("light positions", positions)
 
+    @recorded
     def set_light_directions(self, directions: np.ndarray) -> None:
         """Turns the spots and directional lights: (N, 3), any length but 0, one for each in the
         order in which they were added.
@@ -348,6 +372,11 @@ class Scene:
         """
         return self.closed().lights()
 
+    @property
+    def record(self) -> SceneRecord | None:
+        """All that was done to it; None unless that was wanted."""
+        return self._record
+
     def digest(self) -> str:
         """A hash of all that was added, to know the scene by."""
         return self._digest.hexdigest()
@@ -355,17 +384,23 @@ class Scene:
     def closed(self) -> _core.Scene:
         """The compiled scene, ready to be rendered as it is now; nothing can be added any more."""
         with self._lock:
-            if not self._closed:
-                self._core.commit()
-                self._closed = True
-            elif self._moved:
-                self._core.refit()
-            self._moved = False
+            if not self._closed or self._moved:
+                self._make_ready()
         return self._core
+
+    @recorded
+    def _make_ready(self) -> None:
+        if self._closed:
+            self._core.refit()
+        else:
+            self._core.commit()
+        self._closed = True
+        self._moved = False
 
     def __repr__(self) -> str:
         return f"<lightcull.Scene {self.name!r}: {self.triangle_count} triangles>"
 
+    @recorded
     def _add_mesh(
         self,
         name: str,

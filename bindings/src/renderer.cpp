@@ -52,11 +52,25 @@ class InterruptibleRenderer : public Interruptible<Renderer> {
 
     /// The sums of the passes, as float64 (H, W, 3).
     py::object sums() {
-        const RenderState state = locked([](const Renderer& renderer) { return renderer.state(); });
-        py::object array = new_array(py::make_tuple(settings().height, settings().width, 3),
-                                     numpy_dtype(py::str("float64")));
-        std::copy(state.sums.begin(), state.sums.end(), elements<double>(array).begin());
-        return array;
+        return array_of_sums(
+            locked([](const Renderer& renderer) { return renderer.state().sums; }));
+    }
+
+    /// Those of emission() alone. Throws Error unless it is kept apart.
+    py::object emission_sums() {
+        check_emission_apart();
+        return array_of_sums(
+            locked([](const Renderer& renderer) { return renderer.emission_sums(); }));
+    }
+
+    void begin_part(std::uint64_t first_pass, const py::bytes& learned) {
+        const std::string_view bytes = learned;
+        const std::vector<std::uint8_t> copy(bytes.begin(), bytes.end());
+        locked([&](Renderer& renderer) { renderer.begin_part(first_pass, copy); });
+    }
+
+    bool learning() {
+        return locked([](const Renderer& renderer) { return renderer.learning(); });
     }
 
     /// What the sampler has learned.
@@ -102,9 +116,20 @@ class InterruptibleRenderer : public Interruptible<Renderer> {
     }
 
   private:
+    void check_emission_apart() const {
+        if (!settings().emission_apart) throw Error("renderer: emission is not kept apart");
+    }
+
+    py::object array_of_sums(const std::vector<double>& sums) {
+        py::object array = new_array(py::make_tuple(settings().height, settings().width, 3),
+                                     numpy_dtype(py::str("float64")));
+        std::copy(sums.begin(), sums.end(), elements<double>(array).begin());
+        return array;
+    }
+
     template <typename Part>
     py::object part(const Part& part) {
-        if (!settings().emission_apart) throw Error("renderer: emission is not kept apart");
+        check_emission_apart();
         return array_from_image(locked(part), settings().width, settings().height);
     }
 
@@ -208,7 +233,11 @@ void bind_renderer(py::module_& module) {
         .def("emission", &InterruptibleRenderer::emission)
         .def("lit", &InterruptibleRenderer::lit)
         .def("sums", &InterruptibleRenderer::sums)
+        .def("emission_sums", &InterruptibleRenderer::emission_sums)
         .def("learned", &InterruptibleRenderer::learned)
+        .def("learning", &InterruptibleRenderer::learning)
+        .def("begin_part", &InterruptibleRenderer::begin_part, py::arg("first_pass"),
+             py::arg("learned"))
         .def("restore", &InterruptibleRenderer::restore)
         .def("stats", &InterruptibleRenderer::stats)
         .def("mean_counts", &InterruptibleRenderer::mean_counts)

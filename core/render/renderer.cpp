@@ -35,6 +35,16 @@ double seconds_since(Clock::time_point start) {
 /// The bytes that LightSampler::select() needs for a point meanwhile.
 constexpr std::size_t kSelectionScratch = 20;
 
+/// The sums of a film, three numbers per pixel.
+std::vector<double> numbers_of(const Film& film) {
+    std::vector<double> numbers;
+    numbers.reserve(3 * film.sums().size());
+    for (const Imath::V3d& sum : film.sums()) {
+        numbers.insert(numbers.end(), {sum.x, sum.y, sum.z});
+    }
+    return numbers;
+}
+
 int thread_count(std::uint32_t wanted) {
     const int available = tbb::info::default_concurrency();
     return wanted == 0 ? available : std::min(static_cast<int>(wanted), available);
@@ -269,12 +279,24 @@ void Renderer::restore(const RenderState& state) {
     impl_->stats = state.stats;
 }
 RenderState Renderer::state() const {
-    RenderState state{impl_->stats, {}, impl_->sampler->learned()};
-    state.sums.reserve(3 * impl_->film.sums().size());
-    for (const Imath::V3d& sum : impl_->film.sums()) {
-        state.sums.insert(state.sums.end(), {sum.x, sum.y, sum.z});
+    return {impl_->stats, numbers_of(impl_->film), impl_->sampler->learned()};
+}
+void Renderer::begin_part(std::uint64_t first_pass, Span<const std::uint8_t> learned) {
+    if (!impl_->last_ray_share) {
+        impl_->arena.execute([&] { impl_->find_last_ray_share(nullptr); });
     }
-    return state;
+    if (!learned.empty()) impl_->sampler->restore_learned(learned);
+    impl_->film = Film(impl_->film.sums().size());
+    impl_->emission = Film(impl_->emission.sums().size());
+    impl_->stats = {};
+    impl_->stats.passes = first_pass;
+}
+bool Renderer::learning() const noexcept {
+    const SamplerInfo* const info = sampler_info(*impl_->sampler);
+    return info != nullptr && info->learning();
+}
+std::vector<double> Renderer::emission_sums() const {
+    return numbers_of(impl_->emission);
 }
 const RenderStats& Renderer::stats() const noexcept {
     return impl_->stats;

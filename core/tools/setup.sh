@@ -24,7 +24,7 @@ if [[ ${1:-} == --tests ]]; then
     packages+=(doctest-dev libbenchmark-dev)
     # A Vulkan device without a GPU, and what checks the use of it.
     packages+=(mesa-vulkan-drivers vulkan-validationlayers libspirv-cross-c-shared-dev)
-    requirement_groups+=(mitsuba test usd)
+    requirement_groups+=(cluster mitsuba test usd)
 fi
 
 # What could be neither found nor installed; named once it was missed, and again if that is fatal.

@@ -8,12 +8,20 @@ from collections.abc import Sequence
 from rich.console import Console
 
 from .._core import Error
-from . import bench_command, compare_command, info_command, render_command, selftest_command
+from . import (
+    bench_command,
+    compare_command,
+    frames_command,
+    info_command,
+    render_command,
+    selftest_command,
+)
 from .messages import one_line, warnings_to
 from .options import (
     BenchOptions,
     CompareMethodsOptions,
     CompareOptions,
+    FramesOptions,
     InfoOptions,
     Options,
     RenderOptions,
@@ -51,6 +59,8 @@ def _run(options: Options, messages: Console) -> bool:
     match options:
         case RenderOptions():
             return render_command.run(options, messages)
+        case FramesOptions():
+            return frames_command.run(options, messages)
         case CompareOptions():
             return compare_command.run(options, messages)
         case CompareMethodsOptions():

@@ -118,6 +118,14 @@ def vector(text: str) -> tuple[float, float, float]:
     return x, y, z
 
 
+def frame_range(text: str) -> tuple[int, int]:
+    """The first frame and the last."""
+    match = re.fullmatch(r"([0-9]{1,7}):([0-9]{1,7})", text)
+    if match is None or int(match[1]) > int(match[2]):
+        raise argparse.ArgumentTypeError(f"wanted FIRST:LAST such as 1:100, got {text!r}")
+    return int(match[1]), int(match[2])
+
+
 def field_of_view(text: str) -> float:
     """Degrees."""
     value = positive(text)

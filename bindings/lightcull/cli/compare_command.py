@@ -34,6 +34,8 @@ def run(options: CompareOptions, messages: Console) -> bool:
             mask=options.mask,
             metrics=options.metrics,
             slices=options.slices,
+            cluster=options.cluster,
+            chunk=options.chunk,
             folder=options.folder,
             command=options.command,
             progress=bars,

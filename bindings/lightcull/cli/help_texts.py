@@ -49,6 +49,9 @@ examples:
   lightcull render city -o city.exr --spp 4096 --checkpoint city.checkpoint
   lightcull render city -o city.exr --spp 4096 --resume city.checkpoint
 
+  lightcull render city -o city.exr --spp 4096 --cluster tcp://10.0.0.1:8786
+  lightcull render shot.####.glb -o out.####.exr --frames 1:100 --spp 64 --cluster local:4
+
 A render that was resumed has the same bits as one that never stopped. The checkpoint is whole at any
 moment; one of another scene, sampler, size, depth, seed or build is refused.
 

@@ -18,11 +18,13 @@ from .._core import Error
 from ..images import apply_view, check_format, read_image
 from ..methods.studies import MOST_LIGHTS
 from ..output_files import check_output, check_writable
+from ..rendering.budget import Budget
+from ..rendering.frame_series import FrameSeries, numbered, read_camera_path
 from ..rendering.method import PATH
-from ..rendering.settings import MAX_DEPTH, RenderSettings, settings_of
+from ..rendering.settings import MAX_DEPTH, RR_DEPTH, SIZE, RenderSettings, settings_of
 from ..scene import Scene
 from .bench_scenes import SceneMaker, scene_makers
-from .scene_option import BOUNCED_DEPTH, AnyScene, open_any
+from .scene_option import BOUNCED_DEPTH, AnyScene, named_source, open_any
 from .view_option import look_of
 
 
@@ -49,6 +51,20 @@ class RenderOptions:
     checkpoint: str | None
     every: float | None
     resume: str | None
+    cluster: str | None
+    chunk: int | None
+
+
+@dataclass(frozen=True)
+class FramesOptions:
+    """A render of frames."""
+
+    series: FrameSeries
+    cluster: str | None
+    output: str
+    """Name of a file, with # for the number of the frame."""
+    view: str | None
+    exposure: float
 
 
 @dataclass(frozen=True)
@@ -70,6 +86,8 @@ class CompareOptions:
     mask: np.ndarray | None
     metrics: tuple[str, ...]
     slices: int
+    cluster: str | None
+    chunk: int | None
     folder: Path
     command: str
 
@@ -126,6 +144,7 @@ class SelftestOptions:
 
 Options: TypeAlias = (
     RenderOptions
+    | FramesOptions
     | CompareOptions
     | CompareMethodsOptions
     | InfoOptions
@@ -139,7 +158,11 @@ def resolve(parsed: argparse.Namespace, arguments: Sequence[str]) -> Options:
     return _RESOLVERS[parsed.command](parsed, shlex.join(["lightcull", *arguments]))
 
 
-def _render(parsed: argparse.Namespace, command: str) -> RenderOptions:
+def _render(parsed: argparse.Namespace, command: str) -> RenderOptions | FramesOptions:
+    if parsed.frames is not None:
+        return _frames(parsed)
+    if parsed.camera_path is not None:
+        raise Error("--camera-path: only with --frames")
     default = f"{Path(parsed.scene).stem or 'image'}.exr"
     output = Path(default if parsed.output is None else parsed.output)
     _check_image_output(output, parsed)
@@ -165,7 +188,40 @@ def _render(parsed: argparse.Namespace, command: str) -> RenderOptions:
         checkpoint=parsed.checkpoint,
         every=parsed.every,
         resume=parsed.resume,
+        cluster=parsed.cluster,
+        chunk=parsed.chunk,
     )
+
+
+def _frames(parsed: argparse.Namespace) -> FramesOptions:
+    for name in ("checkpoint", "every", "resume", "chunk"):
+        if getattr(parsed, name) is not None:
+            raise Error(f"--{name}: not with --frames, each of which is written when it is done")
+    if parsed.method != PATH or Path(parsed.scene).suffix.lower() == ".xml":
+        raise Error("--frames: for paths in scenes of ours only")
+    first, last = parsed.frames
+    cameras = {} if parsed.camera_path is None else read_camera_path(parsed.camera_path)
+    missing = set(range(first, last + 1)) - set(cameras)
+    if cameras and missing:
+        raise Error(f"{parsed.camera_path}: has no camera for frame {min(missing)}")
+    output = parsed.output or f"{Path(parsed.scene.replace('#', '')).stem.strip('.')}.####.exr"
+    if "#" not in output:
+        raise Error(f"{output}: wanted signs # in it, for the number of a frame")
+    for number in (first, last):
+        _check_image_output(Path(numbered(output, number)), parsed)
+    series = FrameSeries(
+        first=first,
+        last=last,
+        source=named_source(parsed),
+        cameras=cameras,
+        sampler=parsed.sampler,
+        settings=RenderSettings(
+            parsed.size or SIZE, parsed.max_depth or MAX_DEPTH, parsed.seed, parsed.threads,
+            parsed.rr_depth or RR_DEPTH, parsed.direct_light or "mis",
+        ),
+        budget=Budget(parsed.spp, _seconds(parsed)),
+    )  # fmt: skip
+    return FramesOptions(series, parsed.cluster, output, parsed.view, parsed.exposure or 0.0)
 
 
 def _check_image_output(output: Path, parsed: argparse.Namespace) -> None:
@@ -203,6 +259,8 @@ def _compare(parsed: argparse.Namespace, command: str) -> CompareOptions | Compa
         mask=_mask(parsed.mask, size),
         metrics=tuple(parsed.metrics or ()),
         slices=parsed.slices or 0,
+        cluster=parsed.cluster,
+        chunk=parsed.chunk,
         folder=folder,
         command=command,
     )
@@ -247,7 +305,7 @@ def _compare_methods(parsed: argparse.Namespace, command: str) -> CompareMethods
 
 
 _OF_SAMPLERS = ("samplers", "reference_seconds", "rr_depth", "direct_light", "repeats", "mask",
-                "metrics", "slices")  # fmt: skip
+                "metrics", "slices", "cluster", "chunk")  # fmt: skip
 """Options of a comparison of samplers alone."""
 
 

@@ -12,6 +12,7 @@ from ..bench import DEFAULT_THREADS as BENCH_THREADS
 from ..comparing.compare import DEFAULT_SAMPLERS
 from ..loaders.gltf import LightUnit
 from ..methods.studies import MOST_LIGHTS
+from ..rendering.chunk import CLUSTER_CHUNK
 from ..rendering.method import METHODS, PATH
 from ..rendering.settings import DIRECT_LIGHT, RR_DEPTH
 from ..report import METRICS
@@ -59,6 +60,14 @@ def make_parser() -> argparse.ArgumentParser:
     render.add_argument(
         "--resume", metavar="FILE", help="go on from a checkpoint, and keep it up to date"
     )
+    _add_cluster(render)
+    render.add_argument(
+        "--frames", type=types.frame_range, metavar="FIRST:LAST",
+        help="render frames, one a task of a cluster: signs # in SCENE and PATH are their numbers",
+    )  # fmt: skip
+    render.add_argument(
+        "--camera-path", metavar="FILE", help="of --frames: JSON with a camera for each frame"
+    )
     _add_shared(render, seconds=10, output="SCENE.exr", output_help=".exr or .png to write")
 
     compare = add("compare", "compare samplers in equal time", texts.COMPARE)
@@ -93,6 +102,7 @@ def make_parser() -> argparse.ArgumentParser:
         "--slices", type=types.from_one, metavar="N",
         help="write the samples of each run in N parts, too, as raw images",
     )  # fmt: skip
+    _add_cluster(compare)
     _add_shared(compare, seconds=30, output="report", output_help="folder to write")
 
     info = add("info", "say what is in a scene, and what memory it takes", texts.INFO)
@@ -165,6 +175,19 @@ def _add_mitsuba(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "-D", "--define", type=types.definition, action="append", metavar="NAME=VALUE",
         help="of an .xml alone: value of a parameter $NAME, in place of its default",
+    )  # fmt: skip
+
+
+def _add_cluster(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--cluster", metavar="ADDRESS",
+        help="share the passes (compare: of the reference) out among the workers of a Dask scheduler, "
+        "tcp://HOST:8786, or among N of this machine, local:N; wants lightcull[cluster]",
+    )  # fmt: skip
+    parser.add_argument(
+        "--chunk", type=types.from_one, metavar="N",
+        help=f"passes that are added up as one, by a worker; default: {CLUSTER_CHUNK} on a cluster, "
+        "else 1",
     )  # fmt: skip
 
 

@@ -36,6 +36,8 @@ def run(options: RenderOptions, messages: Console) -> bool:
             checkpoint=options.checkpoint,
             every=options.every,
             resume=options.resume,
+            cluster=options.cluster,
+            chunk=options.chunk,
         )
     make_folder(options.output.parent)
     result.save(options.output, options.view, options.exposure)

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import argparse
+import os
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
 from .._core import Error
 from ..loaders import open_scene
 from ..scene import Scene
+from ..scene_source import SceneSource
+from ..scenes import NAMES
 from .progress_bars import reading
 from .view_option import look_of
 
@@ -36,7 +40,21 @@ def open_ours(options: argparse.Namespace) -> Scene:
     scene = open_scene(options.scene, gltf_lights=options.gltf_lights, **look_of(options))
     if options.virtual_lights is not None:
         scene.add_virtual_lights(options.virtual_lights)
+        if scene.source is not None:
+            scene.source = replace(
+                scene.source, digest=scene.digest(), virtual_lights=options.virtual_lights
+            )
     return scene
+
+
+def named_source(options: argparse.Namespace) -> SceneSource:
+    """What is said of a scene for our own renderer that is not opened yet, of no digest."""
+    name = options.scene if options.scene in NAMES else os.path.abspath(options.scene)
+    look = look_of(options)
+    return SceneSource(
+        "", name, options.gltf_lights, camera=look["camera"], environment=look["environment"],
+        environment_scale=look["environment_scale"], virtual_lights=options.virtual_lights,
+    )  # fmt: skip
 
 
 _OURS = ("virtual_lights", "gltf_lights")

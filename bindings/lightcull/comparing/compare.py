@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -15,6 +16,8 @@ from .._core import Error
 from ..output_files import check_writable
 from ..peers.subject import SubjectWithPeers, is_peer
 from ..rendering.budget import Budget
+from ..rendering.chunk import CLUSTER_CHUNK
+from ..rendering.cluster_access import ClusterChoice, check_cluster, connected
 from ..rendering.job import SubjectJob
 from ..rendering.own_sampler import SamplerChoice, check_choice
 from ..rendering.progress import Progress, ProgressCallback
@@ -66,6 +69,8 @@ def compare(
     mask: np.ndarray | None = None,
     metrics: Sequence[str | Metric] = (),
     slices: int = 0,
+    cluster: ClusterChoice | None = None,
+    chunk: int | None = None,
     folder: str | os.PathLike[str] | None = None,
     command: str = "",
     progress: ProgressCallback | None = None,
@@ -106,6 +111,10 @@ def compare(
     reference_seconds: its wall time; without it, 8 times what each run has. Its own noise, known
     from its two halves, is taken off the errors.
 
+    cluster: shares the passes of the reference out, as `render` has it, in chunks of so many; by
+    "learned:rounds=32" in place of `learned`. The samplers are measured on this machine, one beside
+    the other: times of different machines say nothing of each other.
+
     What is returned has the images, what each run took, and as `figures` the errors, costs and
     ratios: `lightcull.report.ComparisonFigures`, which is what report.json holds.
 
@@ -133,12 +142,13 @@ def compare(
     checks.whole_number("repeats", repeats, 1)
     checks.whole_number("slices", slices)
     _check_mask(mask, settings)
+    shared = _shared(subject, cluster, chunk)
     plan = _Plan(
         subject, choices, settings, Budget(spp, seconds), repeats, mask,
         metrics_by_name(metrics, settings.size), slices,
     )  # fmt: skip
     comparing = _Comparing(plan, progress)
-    comparing.render_reference(reference_seconds)
+    comparing.render_reference(reference_seconds, shared)
     comparing.run()
     result = comparing.result(command)
     if folder is not None:
@@ -172,6 +182,27 @@ def _choices(
         else:
             raise Error(f"sampler {name!r}: samplers of one's own are for scenes of ours")
     return dict(samplers)
+
+
+@dataclass(frozen=True)
+class _Shared:
+    """Who shares a reference, and how."""
+
+    scene: Scene
+    cluster: ClusterChoice
+    chunk: int
+
+
+def _shared(subject: Subject, cluster: ClusterChoice | None, chunk: int | None) -> _Shared | None:
+    if cluster is None:
+        if chunk is not None:
+            raise Error("chunk: only with a cluster, which renders the reference")
+        return None
+    check_cluster(cluster)
+    if not isinstance(subject, OwnSubject):
+        raise Error("cluster: not for a scene of another renderer")
+    size = CLUSTER_CHUNK if chunk is None else checks.whole_number("chunk", chunk, 1)
+    return _Shared(subject.scene, cluster, size)
 
 
 def _check_mask(mask: np.ndarray | None, settings: RenderSettings) -> None:
@@ -219,13 +250,12 @@ class _Comparing:
         self._contenders: list[Contender] = []
         self._interrupted = False
 
-    def render_reference(self, seconds: float | None) -> None:
-        """The reference, from the cache or rendered."""
+    def render_reference(self, seconds: float | None, shared: _Shared | None) -> None:
+        """The reference, from the cache or rendered, here or by those who share it."""
         plan = self._plan
         budget = self._budget.times(_REFERENCE_EFFORT)
         if seconds is not None:
             budget = Budget(None, seconds)
-        order = ReferenceOrder(plan.scene, plan.settings, budget)
         runs_left = len(plan.samplers) * plan.repeats * (self._budget.seconds or 0.0)
 
         def report(fraction: float, spp: int, seconds_left: float) -> None:
@@ -233,7 +263,17 @@ class _Comparing:
                 left = seconds_left + runs_left
                 self._progress(Progress("reference", fraction, spp, left))
 
-        self._reference = reference_for(order, report)
+        if shared is None:
+            order = ReferenceOrder(plan.scene, plan.settings, budget)
+            self._reference = reference_for(order, report)
+            return
+        with connected(shared.cluster) as client, ExitStack() as jobs:
+            # Here, because importing it wants Dask, which is optional.
+            from ..rendering.cluster.cluster_subject import ClusterSubject
+
+            subject = ClusterSubject(client, shared.scene, shared.chunk, jobs)
+            order = ReferenceOrder(subject, plan.settings, budget, shared.chunk)
+            self._reference = reference_for(order, report)
 
     def run(self) -> None:
         """Renders in turns: always the run that has had the least."""

@@ -42,6 +42,10 @@ class ReferenceOrder:
     """Of which the seed is not used."""
     budget: Budget
     """Of both halves together."""
+    chunk: int | None = None
+    """Passes of a chunk where a cluster renders it, in whose seconds there is more; None: this machine
+    does.
+    """
 
     @property
     def sampler(self) -> str:
@@ -54,6 +58,8 @@ class ReferenceOrder:
             settings.size, settings.max_depth, settings.rr_depth, settings.direct_light,
         )  # fmt: skip
         parts = (self.scene.digest(), self.sampler, of_settings, _SEEDS, _FORMAT, machine.build_id())
+        if self.chunk is not None:
+            parts = (*parts, self.chunk)
         return hashlib.blake2b(json.dumps(parts).encode(), digest_size=16).hexdigest()
 
 

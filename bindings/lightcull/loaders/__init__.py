@@ -15,6 +15,7 @@ import numpy as np
 from .. import checks, scenes
 from .._core import Error
 from ..scene import Scene
+from ..scene_source import SceneSource
 from ..surroundings import AUTO, Environment, is_auto
 from .completion import CameraChoice, choose_camera, complete, surround
 from .gltf import LightUnit, fill_from_gltf
@@ -141,6 +142,24 @@ def open_scene(
     camera: CameraChoice = None,
 ) -> Scene:
     """An example scene by its name, else a scene from a file, as `load` makes it."""
+    scene = _open(name_or_path, gltf_lights, environment, environment_scale, camera)
+    if isinstance(environment, str):
+        name = name_or_path if name_or_path in scenes.NAMES else os.path.abspath(name_or_path)
+        if os.path.isfile(environment):
+            environment = os.path.abspath(environment)
+        scene.source = SceneSource(
+            scene.digest(), name, gltf_lights, environment, environment_scale, camera
+        )
+    return scene
+
+
+def _open(
+    name_or_path: str,
+    gltf_lights: LightUnit | None,
+    environment: Environment,
+    environment_scale: float,
+    camera: CameraChoice,
+) -> Scene:
     if name_or_path in scenes.NAMES:
         if gltf_lights is not None:
             raise Error(f"{name_or_path}: gltf_lights is for a .glb or .gltf")

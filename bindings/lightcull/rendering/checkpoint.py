@@ -22,7 +22,7 @@ from .. import _core, checks
 from .._core import Error
 from ..output_files import check_output, write_whole_file
 
-_MAGIC = b"lightcull checkpoint 2\n"
+_MAGIC = b"lightcull checkpoint 3\n"
 _DIGEST_SIZE = 32
 _SECONDS_BETWEEN = 60.0
 
@@ -40,6 +40,8 @@ class RenderKey:
     rr_depth: int
     direct_light: str
     seed: int
+    chunk: int
+    """Passes that are added up before they are added to the others."""
     version: str
     """Of lightcull, down to the build."""
 
@@ -145,6 +147,13 @@ class Keeper:
         """Saves what there is if it is time to."""
         if time.monotonic() - self._last >= self._every:
             self.save(checkpoint)
+
+    def save_after(self, checkpoint: Callable[[], Checkpoint]) -> str:
+        """Saves what there is of a render that cannot go on, and gives words for that, or none."""
+        if self._target is None:
+            return ""
+        self.save(checkpoint)
+        return f"; what there is can be gone on from: --resume {self._target}"
 
     def save(self, checkpoint: Callable[[], Checkpoint]) -> None:
         """Saves what there is. That this may fail is no reason to give a render up."""

@@ -9,6 +9,7 @@ import numpy as np
 from .. import _core, checks
 from ..scene import Scene
 from .checkpoint import Checkpoint
+from .chunk import Chunk, ChunkSums
 from .own_sampler import GuardedSampler, SamplerChoice, SamplerLibrary
 from .settings import RenderSettings
 from .statistics import Stats
@@ -65,6 +66,32 @@ class PathJob:
         """Goes on from a checkpoint of the same render. Before the first pass."""
         self._renderer.restore(checkpoint.stats, checkpoint.sums, checkpoint.learned)
         self._setup_seconds = checkpoint.setup_seconds + self._renderer.setup_seconds()
+
+    def render_chunk(self, chunk: Chunk) -> ChunkSums:
+        """Renders some passes alone. Ctrl-C drops them."""
+        self._renderer.begin_part(chunk.first, b"")
+        for _ in range(chunk.count):
+            self._renderer.render_pass()
+        emission = self._renderer.emission_sums() if self._emission_apart else None
+        return ChunkSums(self._renderer.sums(), emission, self._renderer.stats())
+
+    @property
+    def learning(self) -> bool:
+        """Whether passes depend on those before them."""
+        return self._renderer.learning()
+
+    def learned(self) -> bytes:
+        """What the sampler has learned; empty if it does not."""
+        return self._renderer.learned()
+
+    def take_learned(self, learned: bytes) -> None:
+        """Knows from now on what another sampler of this render has learned."""
+        self._renderer.begin_part(0, learned)
+
+    @property
+    def setup_seconds(self) -> float:
+        """What came before the first pass."""
+        return self._setup_seconds
 
     def image(self) -> np.ndarray:
         """The mean of the passes so far: float32 (H, W, 3)."""

@@ -3,12 +3,23 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 from .. import checks, machine
 from .._core import Error
 from ..scene import Scene
 from .budget import Budget
 from .checkpoint import Keeper, RenderKey
+from .chunk import CLUSTER_CHUNK
+from .chunk_job import ChunkJob, LocalChunks
+from .cluster_access import (
+    ClusterChoice,
+    ClusterError,
+    check_cluster,
+    connected,
+    sampler_on_cluster,
+)
 from .job import Job
 from .method import PATH, check_method
 from .passes import run_passes, warn_of_nonsense
@@ -37,6 +48,8 @@ def render(
     checkpoint: str | os.PathLike[str] | None = None,
     every: float | None = None,
     resume: str | os.PathLike[str] | None = None,
+    cluster: ClusterChoice | None = None,
+    chunk: int | None = None,
 ) -> RenderResult:
     """Renders a scene, for `seconds` of wall time (at least one sample) or `spp` samples per pixel.
 
@@ -59,31 +72,51 @@ def render(
     from the first start. A file of another scene, sampler, size, max_depth, seed or build of
     lightcull is an Error.
 
-    Ctrl-C ends the render after the pass under way, and what there is is saved and returned. One
-    more, before that pass is over, is a KeyboardInterrupt.
+    cluster: shares the passes out among the workers of Dask, of which lightcull[cluster] is needed: the
+    address of a scheduler, "local:4" for so many processes of this machine, or a `distributed.Client`.
+    Workers may come, go and die meanwhile. The scene is one that was opened by `open_scene`, or made as
+    `Scene(recorded=True)`. sampler None is then "learned:rounds=32", since this machine alone renders
+    as long as a sampler learns. seconds are those of wall time; threads, those of each worker, 0 being
+    as many as Dask gives it. core/docs/cluster.md says more.
+
+    chunk: passes that are added up before they are added to the others, as workers do: 16 on a cluster,
+    else 1. The image has the same bits wherever it was rendered in chunks of that many.
+
+    Ctrl-C ends the render after the pass (or chunk) under way, and what there is is saved and returned.
+    One more, before that is over, is a KeyboardInterrupt.
     """
     budget = Budget(spp, seconds)
     size, max_depth, rr_depth = settings_of(scene, size, max_depth, rr_depth)
     settings = RenderSettings(size, max_depth, seed, threads, rr_depth, direct_light)
     subject = subject_of(scene)
+    if cluster is not None:
+        check_cluster(cluster)
     if sampler is None:
         sampler = subject.best_sampler
+        if cluster is not None:
+            sampler = sampler_on_cluster(sampler)
     job: Job
     if every is not None and checkpoint is None and resume is None:
         raise Error("every: only with checkpoint or resume")
     if check_method(method) != PATH:
         if not isinstance(scene, Scene):
             raise Error(f"{method}: not for a scene of another renderer")
+        if cluster is not None or chunk is not None:
+            raise Error(f"cluster and chunk: not for {method}")
         if checkpoint is not None or resume is not None:
             raise Error(f"checkpoint and resume: not for {method}")
         job = VirtualLightJob(scene, method, sampler, settings)
         interrupted = run_passes(job, budget, progress)
     elif isinstance(scene, Scene):
+        default_chunk = 1 if cluster is None else CLUSTER_CHUNK
+        size_of_chunk = default_chunk if chunk is None else checks.whole_number("chunk", chunk, 1)
         job, interrupted = _by_paths(
             scene, sampler, budget, settings, progress, checkpoint=checkpoint, every=every,
-            resume=resume,
+            resume=resume, cluster=cluster, chunk=size_of_chunk,
         )  # fmt: skip
     else:
+        if cluster is not None or chunk is not None:
+            raise Error("cluster and chunk: not for a scene of another renderer")
         if checkpoint is not None or resume is not None:
             raise Error("checkpoint and resume: not for a scene of another renderer")
         job = subject.new_job(sampler, settings, spp)
@@ -106,11 +139,13 @@ def _by_paths(
     checkpoint: str | os.PathLike[str] | None,
     every: float | None,
     resume: str | os.PathLike[str] | None,
+    cluster: ClusterChoice | None,
+    chunk: int,
 ) -> tuple[Job, bool]:
     """The render, and whether Ctrl-C ended it; saved on the way and at the end if that is wanted."""
     key = RenderKey(
         scene.name, scene.digest(), checks.text("sampler", sampler), settings.size,
-        settings.max_depth, settings.rr_depth, settings.direct_light, settings.seed,
+        settings.max_depth, settings.rr_depth, settings.direct_light, settings.seed, chunk,
         machine.build_id(),
     )  # fmt: skip
     keeper = Keeper(key, checkpoint=checkpoint, every=every, resume=resume)
@@ -120,9 +155,38 @@ def _by_paths(
             f"{resume}: has {before.stats.passes} samples per pixel already, and {budget.spp} were "
             "wanted"
         )
-    job = PathJob(scene, sampler, settings)
-    if before is not None:
-        job.resume(before)
-    interrupted = run_passes(job, budget, progress, lambda: keeper.after_pass(job.checkpoint))
-    keeper.save(job.checkpoint)
+    with _path_job(scene, sampler, settings, cluster, chunk, budget.spp) as job:
+        if before is not None:
+            job.resume(before)
+        try:
+            interrupted = run_passes(
+                job, budget, progress, lambda: keeper.after_pass(job.checkpoint)
+            )
+        except ClusterError as error:
+            raise Error(f"{error}{keeper.save_after(job.checkpoint)}") from error
+        keeper.save(job.checkpoint)
     return job, interrupted
+
+
+@contextmanager
+def _path_job(
+    scene: Scene,
+    sampler: str,
+    settings: RenderSettings,
+    cluster: ClusterChoice | None,
+    chunk: int,
+    spp: int | None,
+) -> Iterator[PathJob | ChunkJob]:
+    """A render by paths, wherever and however it is to be."""
+    if cluster is not None:
+        with connected(cluster) as client:
+            # Here, because importing it wants Dask, which is optional.
+            from .cluster.cluster_job import cluster_job
+
+            with cluster_job(client, scene, sampler, settings, chunk, spp) as shared:
+                yield shared
+    elif chunk > 1:
+        job = PathJob(scene, sampler, settings)
+        yield ChunkJob(sampler, settings, LocalChunks(job), job.setup_seconds, chunk, spp)
+    else:
+        yield PathJob(scene, sampler, settings)

@@ -57,6 +57,10 @@ class OwnSubject:
         self.name = scene.name
 
     @property
+    def scene(self) -> Scene:
+        return self._scene
+
+    @property
     def light_count(self) -> int:
         return len(self._scene.lights())
 

@@ -35,6 +35,10 @@ class LIGHTCULL_EXPORT SamplerInfo {
     /// The part of memory_size() that cells take, bytes.
     virtual std::size_t cell_memory_size() const noexcept { return 0; }
 
+    /// True as long as a pass to come may select otherwise for what is reported. Once it is false,
+    /// samplers that know the same (LightSampler::learned) may render passes in any order.
+    virtual bool learning() const noexcept { return false; }
+
     static constexpr std::uint32_t kNoCell = 0xffffffffu;
 
     /// The cell that a point lies in, below cell_count(); kNoCell if it lies in none. select()

@@ -80,6 +80,11 @@ class LearnedCells {
     /// False when learning has come to rest.
     bool learning() const noexcept { return new_cells_ != nullptr; }
 
+    /// False when learning will have come to rest by the end of this round.
+    bool will_learn_more() const noexcept {
+        return learning() && round_ + (due() ? 1 : 0) < limits_.rounds;
+    }
+
     /// The number of rounds that have ended.
     std::uint32_t round() const noexcept { return round_; }
     /// Ends a round: from time to time, what has been reported changes the cells. Runs in the

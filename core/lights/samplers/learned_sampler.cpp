@@ -382,6 +382,7 @@ class LearnedSampler final : public LightSampler, public SamplerInfo {
     std::size_t memory_limit() const noexcept override { return current_->memory_limit(); }
     std::size_t cell_count() const noexcept override { return cells_->size(); }
     std::size_t cell_memory_size() const noexcept override { return cells_->memory_size(); }
+    bool learning() const noexcept override { return cells_->will_learn_more(); }
     std::uint32_t cell_of(const ShadingPoint& point) const noexcept override {
         return current_->cell_of(point);
     }

@@ -1,6 +1,9 @@
 #include <doctest/doctest.h>
 
 #include <limits>
+#include <memory>
+#include <string>
+#include <vector>
 
 #include <lightcull/error.h>
 
@@ -12,12 +15,15 @@ using namespace render_support;
 
 namespace {
 
-std::shared_ptr<const Scene> room() {
+/// A floor below lamps of half a metre.
+std::shared_ptr<const Scene> room(int lamps = 1) {
     auto scene = std::make_shared<Scene>();
     const MaterialId grey = scene->add_material({});
     Shape floor, lamp;
     floor.add_level_square({0, 0, 0}, 3.0f, true);
-    lamp.add_level_square({0, 2, 0}, 0.5f, false);
+    for (int i = 0; i < lamps; ++i) {
+        lamp.add_level_square({0.0f, 2.0f, -1.5f * static_cast<float>(i)}, 0.5f, false);
+    }
     Mesh mesh;
     mesh.name = "floor";
     mesh.positions = floor.positions;
@@ -74,6 +80,58 @@ TEST_CASE("a renderer goes on from the state of another with the same bits") {
     }
     CHECK(second.stats().passes == 5);
     CHECK(same(second.image(), first.image()));
+}
+
+TEST_CASE("parts of an image have the bits of its passes, whoever renders them, in any order") {
+    const auto scene = room(20);
+    RenderSettings apart = settings();
+    apart.emission_apart = true;
+    const std::string description = "learned:rounds=4";
+    const auto make = [&] {
+        return std::make_unique<Renderer>(scene, apart,
+                                          make_scene_sampler(description, *scene, apart));
+    };
+    const auto teacher = make(), pupil = make();
+    for (int pass = 0; pass < 4; ++pass) {
+        CHECK(teacher->learning());
+        teacher->render_pass();
+    }
+    CHECK_FALSE(teacher->learning());
+    const std::vector<std::uint8_t> learned = teacher->sampler().learned();
+    CHECK(pupil->learning());
+
+    std::vector<std::vector<double>> sums, emission;
+    for (std::uint64_t pass = 4; pass < 7; ++pass) {
+        teacher->begin_part(pass);
+        CHECK(teacher->stats().passes == pass);
+        teacher->render_pass();
+        CHECK(teacher->stats().passes == pass + 1);
+        sums.push_back(teacher->state().sums);
+        emission.push_back(teacher->emission_sums());
+    }
+    CHECK(sums[0] != sums[1]);
+    CHECK(emission[0] != emission[1]);
+    pupil->begin_part(6, learned);
+    CHECK_FALSE(pupil->learning());
+    for (const std::size_t part : {2u, 0u, 1u}) {
+        pupil->begin_part(4 + part);
+        pupil->render_pass();
+        CHECK(pupil->state().sums == sums[part]);
+        CHECK(pupil->emission_sums() == emission[part]);
+    }
+    // One that knows nothing chooses other lights.
+    const auto fresh = make();
+    fresh->begin_part(4);
+    fresh->render_pass();
+    CHECK(fresh->state().sums != sums[0]);
+    CHECK(fresh->emission_sums() == emission[0]);
+}
+
+TEST_CASE("a renderer whose sampler does not learn does not either") {
+    const auto scene = room();
+    const Renderer renderer = make_renderer(scene);
+    CHECK_FALSE(renderer.learning());
+    CHECK(renderer.emission_sums().empty());
 }
 
 TEST_CASE("a state of another image, or none at all, is refused by name") {

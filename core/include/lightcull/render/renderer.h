@@ -96,6 +96,18 @@ class LIGHTCULL_EXPORT Renderer {
     void restore(const RenderState& state);
     RenderState state() const;
 
+    /// Begins a part of the image, to be added to others: the passes from number `first_pass` on.
+    /// Sums and statistics are of the part alone, but stats().passes counts on from first_pass.
+    /// learned: LightSampler::learned() of a sampler of this image, from which this one goes on;
+    /// empty: from what it knows. Once learning() is false, parts are the same in whatever order
+    /// they are rendered.
+    void begin_part(std::uint64_t first_pass, Span<const std::uint8_t> learned = {});
+    /// True as long as passes depend on those before them: see SamplerInfo::learning().
+    bool learning() const noexcept;
+    /// The sums over the passes of what emission() is the mean of, as RenderState has those of
+    /// image(). Empty unless RenderSettings::emission_apart.
+    std::vector<double> emission_sums() const;
+
     const RenderStats& stats() const noexcept;
     const LightSampler& sampler() const noexcept;
     RendererMemory memory_size() const noexcept;
