@@ -25,8 +25,8 @@ float mean_over_cell(const Texture& t, std::uint32_t x, std::uint32_t y) noexcep
     return sum;
 }
 
-/// The cosines of the angles to +Y at the edges of `rows` rows of cells. They are in double: next to
-/// a pole those of a row differ by little.
+/// The cosines of the angles to +Y at the edges of `rows` rows of cells. They are in double: next
+/// to a pole those of a row differ by little.
 std::vector<double> cosines_of_edges(std::uint32_t rows) {
     constexpr double kPiDouble = 3.14159265358979323846;
     std::vector<double> cosines;
@@ -49,8 +49,7 @@ EnvironmentMap::EnvironmentMap(Environment environment)
     std::vector<double> share(pdfs_.size());
     double total = 0.0;
     for (std::uint32_t y = 0; y < map_.height; ++y) {
-        const double solid_angle =
-            kTwoPi / map_.width * (edge_cosines_[y] - edge_cosines_[y + 1]);
+        const double solid_angle = kTwoPi / map_.width * (edge_cosines_[y] - edge_cosines_[y + 1]);
         for (std::uint32_t x = 0; x < map_.width; ++x) {
             const std::size_t i = std::size_t{y} * map_.width + x;
             pdfs_[i] = mean_over_cell(map_, x, y);
