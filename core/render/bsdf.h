@@ -32,7 +32,7 @@ struct BsdfSample {
 /// "Sampling the GGX Distribution of Visible Normals").
 class LIGHTCULL_CORE_EXPORT Bsdf {
   public:
-    Bsdf() = default;
+    Bsdf() noexcept : Bsdf(V3f(0.0f), V3f(0.0f), V3f(0.0f)) {}
 
     /// normal and outgoing: unit length, on the same side.
     static Bsdf diffuse(const V3f& normal, const V3f& outgoing, const V3f& base_color) noexcept;
@@ -46,7 +46,7 @@ class LIGHTCULL_CORE_EXPORT Bsdf {
     /// lobe in [0, 1), u in [0, 1)^2.
     BsdfSample sample(float lobe, const V2f& u) const noexcept;
 
-    const V3f& normal() const noexcept { return frame_.normal; }
+    const V3f& normal() const noexcept { return normal_; }
 
     /// The numbers that a BSDF is made of: the albedo under the specular layer, and the reflectance
     /// at normal incidence and alpha of that layer, where there is one.
@@ -62,20 +62,25 @@ class LIGHTCULL_CORE_EXPORT Bsdf {
 
     /// The two parts of the BSDF as a light sampler takes them (ShadingPoint::diffuse and lobe),
     /// 1/sr by luminance.
-    float diffuse_part() const noexcept;
+    float diffuse_part() const noexcept { return kInvPi * reflected_diffuse_; }
     GlossyLobe glossy_part() const noexcept;
 
   private:
-    BsdfValue evaluate_local(const V3f& incoming) const noexcept;
-    V3f sample_specular(const V2f& u) const noexcept;
-    V3f fresnel(float cosine) const noexcept;
+    Bsdf(const V3f& normal, const V3f& outgoing, const V3f& diffuse) noexcept
+        : normal_(normal), outgoing_(outgoing), diffuse_(diffuse) {}
+    /// A sample of this direction.
+    BsdfSample with_weight(const V3f& incoming) const noexcept;
+    V3f sample_specular(const Basis& basis, const V2f& u) const noexcept;
 
-    Basis frame_;
-    V3f outgoing_{0.0f};  // in the basis of the normal
-    V3f diffuse_{0.0f};   // diffuse albedo
-    V3f f0_{0.0f};        // reflectance at normal incidence
+    V3f normal_, outgoing_;
+    V3f diffuse_;   // diffuse albedo
+    V3f f0_{0.0f};  // reflectance at normal incidence
     float alpha_ = 1.0f;
-    float specular_prob_ = 0.0f;  // 0: there is no specular lobe
+    float specular_prob_ = 0.0f;  // 0: there is no specular lobe, and no use for what follows
+    float cosine_ = 0.0f;         // cosine of `outgoing` to the normal
+    float masking_ = 0.0f;        // masking_over_two_cosines() of it
+    // Luminances of what the lobes reflect of light that comes from the mirror direction.
+    float reflected_diffuse_ = 0.0f, reflected_specular_ = 0.0f;
 };
 
 }  // namespace lightcull

@@ -28,7 +28,7 @@ Ray CameraRays::ray(const V2f& place, const V2f& lens) const noexcept {
     const V3f through = corner_ + across_ * place.x + down_ * place.y;
     if (orthographic_) return {origin_ + through, forward_};
     // Its component along the axis is 1.
-    if (aperture_radius_ == 0.0f) return {origin_, unit(through)};
+    if (!has_lens()) return {origin_, unit(through)};
     const V2f p = uniform_disk(lens) * aperture_radius_;
     const V3f offset = right_ * p.x + up_ * p.y;
     return {origin_ + offset, unit(through * focus_distance_ - offset)};

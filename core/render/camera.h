@@ -21,6 +21,9 @@ class LIGHTCULL_CORE_EXPORT CameraRays {
     /// uniform numbers that choose a place on the lens.
     Ray ray(const V2f& place, const V2f& lens) const noexcept;
 
+    /// False if it does not matter which place on the lens is chosen.
+    bool has_lens() const noexcept { return aperture_radius_ > 0.0f && !orthographic_; }
+
     /// The components of a vector to the right, up, and forward.
     V3f to_view(const V3f& v) const noexcept;
     /// The middle of the lens, or of the plane where orthographic rays start.

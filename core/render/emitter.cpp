@@ -14,14 +14,23 @@
 namespace lightcull {
 namespace {
 
+/// A place as it is seen from a point.
+struct Sight {
+    V3f direction;
+    float distance2;
+
+    explicit Sight(const V3f& to_place) noexcept
+        : direction(to_place), distance2(to_place.dot(to_place)) {
+        direction *= 1.0f / std::sqrt(distance2);
+    }
+};
+
 /// Density per solid angle of a place that is uniform by area.
-float pdf_by_area(const TriangleEmitter& emitter, const V3f& to_place) noexcept {
+float pdf_by_area(const TriangleEmitter& emitter, const Sight& place) noexcept {
     // |normal| is twice the area, so that distance^2 / (cosine * area) becomes this. No third power
     // of a length is formed, which floats could not hold.
     const V3f normal = emitter.edge1.cross(emitter.edge2);
-    const float distance2 = to_place.dot(to_place);
-    const float projected = 0.5f * std::fabs(normal.dot(to_place / std::sqrt(distance2)));
-    const float pdf = distance2 / projected;
+    const float pdf = place.distance2 / (0.5f * std::fabs(normal.dot(place.direction)));
     return std::isfinite(pdf) ? pdf : 0.0f;
 }
 
@@ -93,15 +102,14 @@ struct Sampler {
                           const TriangleEmitter& whole, const V2f& in_whole,
                           const std::optional<SphericalTriangle>& seen) const noexcept {
         const V3f place = emitter.corner + emitter.edge1 * b.x + emitter.edge2 * b.y;
-        const V3f to_place = place - from;
-        const float distance2 = to_place.dot(to_place);
-        if (!(distance2 > 0.0f)) return {};
+        const Sight sight(place - from);
+        if (!(sight.distance2 > 0.0f)) return {};
         const float pdf =
-            seen ? static_cast<float>(1.0 / seen->solid_angle()) : pdf_by_area(emitter, to_place);
+            seen ? static_cast<float>(1.0 / seen->solid_angle()) : pdf_by_area(emitter, sight);
         if (!(pdf > 0.0f)) return {};
-        const V3f direction = to_place / std::sqrt(distance2);
-        const V3f radiance = emitted_on_average(scene, whole, in_whole.x, in_whole.y, -direction);
-        return {place, direction, radiance, pdf, false, emitter.triangle};
+        const V3f radiance =
+            emitted_on_average(scene, whole, in_whole.x, in_whole.y, -sight.direction);
+        return {place, sight.direction, radiance, pdf, false, emitter.triangle};
     }
 
     EmitterSample operator()(const PointEmitter& emitter) const noexcept {
@@ -122,20 +130,17 @@ struct Sampler {
 
     EmitterSample operator()(const VirtualEmitter& emitter) const noexcept {
         const VirtualLight& light = scene.virtual_lights[emitter.index];
-        const V3f to_place = light.position - from;
-        const float distance2 = to_place.dot(to_place);
-        if (!(distance2 > 0.0f)) return {};
-        const V3f direction = to_place / std::sqrt(distance2);
-        const V3f sent = intensity(light, -direction);
-        return {light.position, direction, sent / std::max(distance2, scene.virtual_nearest2), 1.0f,
-                true};
+        const Sight sight(light.position - from);
+        if (!(sight.distance2 > 0.0f)) return {};
+        const V3f sent = intensity(light, -sight.direction);
+        const float distance2 = std::max(sight.distance2, scene.virtual_nearest2);
+        return {light.position, sight.direction, sent / distance2, 1.0f, true};
     }
 
     EmitterSample from_point(const V3f& position, const V3f& intensity) const noexcept {
-        const V3f to_place = position - from;
-        const float distance2 = to_place.dot(to_place);
-        if (!(distance2 > 0.0f)) return {};
-        return {position, to_place / std::sqrt(distance2), intensity / distance2, 1.0f, true};
+        const Sight sight(position - from);
+        if (!(sight.distance2 > 0.0f)) return {};
+        return {position, sight.direction, intensity / sight.distance2, 1.0f, true};
     }
 };
 
@@ -161,7 +166,8 @@ float spot_falloff(const SpotEmitter& emitter, float versine) noexcept {
 
 float triangle_pdf(const TriangleEmitter& emitter, const V3f& from, const V3f& to_place) noexcept {
     const auto seen = as_seen_from_near(emitter, from);
-    return seen ? static_cast<float>(1.0 / seen->solid_angle()) : pdf_by_area(emitter, to_place);
+    return seen ? static_cast<float>(1.0 / seen->solid_angle())
+                : pdf_by_area(emitter, Sight(to_place));
 }
 
 PlacePdf place_pdf(const SceneData& scene, std::uint32_t light, float2 place, const V3f& from,
@@ -177,7 +183,7 @@ PlacePdf place_pdf(const SceneData& scene, std::uint32_t light, float2 place, co
         const auto seen = as_seen_from_near(on_piece, from);
         if (seen) return {of_part, piece.prob * static_cast<float>(1.0 / seen->solid_angle())};
         const float density = piece.prob * TriangleCuts::density(piece, in_piece);
-        return {of_part, density * pdf_by_area(on_piece, to_place)};
+        return {of_part, density * pdf_by_area(on_piece, Sight(to_place))};
     }
     const auto& part = *std::get_if<TriangleEmitter>(&scene.emitters[of_part]);
     return {of_part, triangle_pdf(part, from, to_place)};

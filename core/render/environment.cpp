@@ -1,5 +1,7 @@
 #include "render/environment.h"
 
+#include "render/trigonometry.h"
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -23,10 +25,15 @@ float mean_over_cell(const Texture& t, std::uint32_t x, std::uint32_t y) noexcep
     return sum;
 }
 
-/// The cosine of the angle to +Y at the upper edge of a row of cells.
-double edge_cosine(std::uint32_t row, std::uint32_t height) noexcept {
+/// The cosines of the angles to +Y at the edges of `rows` rows of cells. They are in double: next
+/// to a pole those of a row differ by little.
+std::vector<double> cosines_of_edges(std::uint32_t rows) {
     constexpr double kPiDouble = 3.14159265358979323846;
-    return std::cos(kPiDouble * row / height);
+    std::vector<double> cosines;
+    for (std::uint32_t row = 0; row <= rows; ++row) {
+        cosines.push_back(std::cos(kPiDouble * row / rows));
+    }
+    return cosines;
 }
 
 }  // namespace
@@ -36,13 +43,13 @@ EnvironmentMap::EnvironmentMap(Environment environment)
       scale_(to_v3f(environment.scale)),
       cos_rotation_(std::cos(environment.rotation)),
       sin_rotation_(std::sin(environment.rotation)),
-      pdfs_(map_.texels.size()) {
+      pdfs_(map_.texels.size()),
+      edge_cosines_(cosines_of_edges(map_.height)) {
     constexpr double kTwoPi = 6.28318530717958647692;
     std::vector<double> share(pdfs_.size());
     double total = 0.0;
     for (std::uint32_t y = 0; y < map_.height; ++y) {
-        const double solid_angle =
-            kTwoPi / map_.width * (edge_cosine(y, map_.height) - edge_cosine(y + 1, map_.height));
+        const double solid_angle = kTwoPi / map_.width * (edge_cosines_[y] - edge_cosines_[y + 1]);
         for (std::uint32_t x = 0; x < map_.width; ++x) {
             const std::size_t i = std::size_t{y} * map_.width + x;
             pdfs_[i] = mean_over_cell(map_, x, y);
@@ -62,9 +69,9 @@ Environment EnvironmentMap::description() const {
 V2f EnvironmentMap::to_map(const V3f& d) const noexcept {
     const float x = cos_rotation_ * d.x - sin_rotation_ * d.z;
     const float z = sin_rotation_ * d.x + cos_rotation_ * d.z;
-    const float across = 0.5f + std::atan2(x, -z) * (0.5f * kInvPi);
+    const float across = 0.5f + static_cast<float>(arc_tangent(x, -z)) * (0.5f * kInvPi);
     // acos loses half of its digits at the poles.
-    const float down = std::atan2(std::sqrt(x * x + z * z), d.y) * kInvPi;
+    const float down = static_cast<float>(arc_tangent(std::sqrt(x * x + z * z), d.y)) * kInvPi;
     return {across * static_cast<float>(map_.width), down * static_cast<float>(map_.height)};
 }
 
@@ -85,16 +92,15 @@ V3f EnvironmentMap::lookup(const V2f& place) const noexcept {
     return scale_ * (top * (1.0f - fy) + bottom * fy);
 }
 
-V3f EnvironmentMap::radiance(const V3f& direction) const noexcept {
-    return lookup(to_map(direction));
-}
-
-float EnvironmentMap::pdf(const V3f& direction) const noexcept {
-    if (cells_.empty()) return 0.0f;
-    const V2f place = to_map(direction);
+float EnvironmentMap::density(const V2f& place) const noexcept {
     const auto x = std::min(static_cast<std::uint32_t>(place.x), map_.width - 1);
     const auto y = std::min(static_cast<std::uint32_t>(place.y), map_.height - 1);
     return pdfs_[std::size_t{y} * map_.width + x];
+}
+
+EnvironmentValue EnvironmentMap::at(const V3f& direction) const noexcept {
+    const V2f place = to_map(direction);
+    return {lookup(place), cells_.empty() ? 0.0f : density(place)};
 }
 
 EnvironmentSample EnvironmentMap::sample(double cell, const V2f& u) const noexcept {
@@ -106,15 +112,16 @@ EnvironmentSample EnvironmentMap::sample(double cell, const V2f& u) const noexce
     // The direction is uniform per solid angle: uniform in the angle around +Y and in the cosine to
     // it.
     const float angle = 2.0f * kPi * ((column + u.x) / static_cast<float>(map_.width) - 0.5f);
-    // The cosines are in double: next to a pole those of a row differ by little.
-    const double top = edge_cosine(row, map_.height);
-    const double y = top + (edge_cosine(row + 1, map_.height) - top) * static_cast<double>(u.y);
+    const auto [sine_around, cosine_around] = sine_cosine(0.25f * angle).doubled().doubled();
+    const double top = edge_cosines_[row];
+    const double y = top + (edge_cosines_[row + 1] - top) * static_cast<double>(u.y);
     const auto sine = static_cast<float>(std::sqrt(std::max(0.0, (1.0 - y) * (1.0 + y))));
-    const float x = sine * std::sin(angle), z = -sine * std::cos(angle);
+    const float x = sine * sine_around, z = -sine * cosine_around;
     const V3f direction(cos_rotation_ * x + sin_rotation_ * z, static_cast<float>(y),
                         -sin_rotation_ * x + cos_rotation_ * z);
     // At a cell's edge rounding may put the direction into the next cell: take what is there.
-    return {direction, radiance(direction), pdf(direction)};
+    const EnvironmentValue value = at(direction);
+    return {direction, value.radiance, value.pdf};
 }
 
 }  // namespace lightcull

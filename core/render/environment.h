@@ -12,6 +12,12 @@
 
 namespace lightcull {
 
+/// What an environment gives from a direction.
+struct EnvironmentValue {
+    V3f radiance{0.0f};
+    float pdf = 0.0f;  ///< density of EnvironmentMap::sample(), per solid angle
+};
+
 struct EnvironmentSample {
     V3f direction{0.0f};  ///< sampled direction, unit length
     V3f radiance{0.0f};
@@ -24,9 +30,7 @@ class LIGHTCULL_CORE_EXPORT EnvironmentMap {
     explicit EnvironmentMap(Environment environment);
 
     /// direction: unit length.
-    V3f radiance(const V3f& direction) const noexcept;
-    /// The density of sample(), per solid angle.
-    float pdf(const V3f& direction) const noexcept;
+    EnvironmentValue at(const V3f& direction) const noexcept;
     /// cell and u in [0, 1).
     EnvironmentSample sample(double cell, const V2f& u) const noexcept;
 
@@ -35,12 +39,14 @@ class LIGHTCULL_CORE_EXPORT EnvironmentMap {
 
     /// The memory that the map takes, bytes.
     std::size_t memory_size() const noexcept {
-        return size_of(map_.texels) + cells_.memory_size() + size_of(pdfs_);
+        return size_of(map_.texels) + cells_.memory_size() + size_of(pdfs_) +
+               size_of(edge_cosines_);
     }
 
   private:
     V2f to_map(const V3f& direction) const noexcept;
     V3f lookup(const V2f& place) const noexcept;
+    float density(const V2f& place) const noexcept;
 
     Texture map_;
     V3f scale_;
@@ -50,6 +56,7 @@ class LIGHTCULL_CORE_EXPORT EnvironmentMap {
     // there, which is 0 only where every lookup is.
     AliasTable cells_;  // empty: the environment is black
     std::vector<float> pdfs_;
+    std::vector<double> edge_cosines_;  // cosines of the angles to +Y at the edges of rows of cells
 };
 
 }  // namespace lightcull

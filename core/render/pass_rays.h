@@ -28,8 +28,9 @@ class PassRays {
     Ray ray(std::uint32_t pixel) const noexcept {
         const std::uint32_t x = pixel % width_, y = pixel / width_;
         const V2f corner(static_cast<float>(x), static_cast<float>(y));
-        const PathRandom random(lens_key_, pixel, 0);
-        return camera_.ray(corner + place(pixel), random.two(Dimension::kLens));
+        V2f lens(0.0f);
+        if (camera_.has_lens()) lens = PathRandom(lens_key_, pixel, 0).two(Dimension::kLens);
+        return camera_.ray(corner + place(pixel), lens);
     }
 
     const CameraRays& camera() const noexcept { return camera_; }

@@ -2,6 +2,7 @@
 
 #include "render/vec.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 
@@ -24,7 +25,7 @@ struct Ray {
 inline float clearance(const V3f& normal, const V3f& magnitude, const V3f& edge1,
                        const V3f& edge2) noexcept {
     constexpr float kRounding = 16.0f * 0x1p-24f;
-    const float edge = std::fmax(max_component(abs(edge1)), max_component(abs(edge2)));
+    const float edge = std::max(max_component(abs(edge1)), max_component(abs(edge2)));
     return kRounding * (abs(normal).dot(magnitude) + edge);
 }
 

@@ -43,8 +43,8 @@ constexpr float kTraced = 1.0f - 0x1p-22f;
 /// Fills a packet with rays in units of 1 / scale metres and returns how many of its lanes are in
 /// use. Directions only grow: Embree takes small parts of them for 0.
 ///
-/// The others repeat the last ray, its id too, and end before they begin: Embree 3 asks `valid` only
-/// where the processor has vectors of 16, and else would trace what they hold.
+/// The others repeat the last ray, its id too, and end before they begin: Embree 3 asks `valid`
+/// only where the processor has vectors of 16, and else would trace what they hold.
 std::size_t fill(Span<const Ray> rays, std::size_t first, float scale, RTCRay16& packet,
                  int* valid) noexcept {
     const std::size_t count = std::min(kPacket, rays.size() - first);

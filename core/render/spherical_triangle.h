@@ -17,11 +17,13 @@ class LIGHTCULL_CORE_EXPORT SphericalTriangle {
     double solid_angle() const noexcept { return solid_angle_; }
 
     /// A direction uniform over the solid angle, of which there must be some (Arvo 1995,
-    /// "Stratified sampling of spherical triangles", section 3).
+    /// "Stratified sampling of spherical triangles", section 3, in the form of Peters 2021, "BRDF
+    /// importance sampling for polygonal lights", section 4, which has hardly any angles).
     V3d sample(const V2f& u) const noexcept;
 
   private:
     V3d a_, b_, c_;  ///< directions of the corners, unit length
+    double volume_;  ///< of the parallelepiped that they span
     double solid_angle_;
 };
 

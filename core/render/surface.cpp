@@ -32,6 +32,13 @@ V3f vertex_color(const SceneData& scene, const MeshRecord& mesh, const Hit& hit)
            scene.colors[scene.corner(hit.triangle, 2) + shift] * hit.v;
 }
 
+/// The largest coordinates of a triangle's corners, but for their signs.
+V3f largest(const V3f& a, const V3f& b, const V3f& c) noexcept {
+    const V3f p = abs(a), q = abs(b), r = abs(c);
+    return V3f(std::max(std::max(p.x, q.x), r.x), std::max(std::max(p.y, q.y), r.y),
+               std::max(std::max(p.z, q.z), r.z));
+}
+
 Bsdf make_bsdf(const SceneData& scene, const MeshRecord& mesh, const Hit& hit, const V3f& normal,
                const V3f& outgoing) noexcept {
     const Material& m = scene.materials[mesh.material];
@@ -73,10 +80,7 @@ Surface make_surface(const SceneData& scene, const Hit& hit, const V3f& directio
     s.position = a * (1.0f - hit.u - hit.v) + b * hit.u + c * hit.v;
     s.normal = triangle_normal(edge1, edge2);
     if (s.normal.dot(direction) > 0.0f) s.normal = -s.normal;
-    const V3f magnitude(std::max({std::fabs(a.x), std::fabs(b.x), std::fabs(c.x)}),
-                        std::max({std::fabs(a.y), std::fabs(b.y), std::fabs(c.y)}),
-                        std::max({std::fabs(a.z), std::fabs(b.z), std::fabs(c.z)}));
-    s.origin = s.position + s.normal * clearance(s.normal, magnitude, edge1, edge2);
+    s.origin = s.position + s.normal * clearance(s.normal, largest(a, b, c), edge1, edge2);
 
     const MeshRecord& mesh = scene.meshes[scene.triangles[hit.triangle].mesh];
     const V3f outgoing = -direction;

@@ -3,6 +3,7 @@
 #include <lightcull/float3.h>
 
 #include <ImathVec.h>
+#include <algorithm>
 #include <cmath>
 
 /// Vectors inside core/render are Imath's; float3 is for the public headers alone.
@@ -27,7 +28,7 @@ inline bool is_finite(const V3f& a) noexcept {
     return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);
 }
 inline float max_component(const V3f& a) noexcept {
-    return std::fmax(a.x, std::fmax(a.y, a.z));
+    return std::max(a.x, std::max(a.y, a.z));
 }
 template <typename T>
 Imath::Vec3<T> abs(const Imath::Vec3<T>& a) noexcept {
@@ -55,7 +56,7 @@ inline V3f triangle_normal(const V3f& edge1, const V3f& edge2) noexcept {
     constexpr float kLeast = 1e-30f, kMost = 1e38f;
     const V3f across = edge1.cross(edge2);
     const float squared = across.dot(across);
-    if (squared > kLeast && squared < kMost) return across / std::sqrt(squared);
+    if (squared > kLeast && squared < kMost) return across * (1.0f / std::sqrt(squared));
     return V3f(Imath::V3d(across).normalized());
 }
 

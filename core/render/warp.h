@@ -1,5 +1,6 @@
 #pragma once
 
+#include "render/trigonometry.h"
 #include "render/vec.h"
 
 #include <algorithm>
@@ -14,9 +15,9 @@ inline V2f uniform_disk(const V2f& u) noexcept {
     const float x = 2.0f * u.x - 1.0f, y = 2.0f * u.y - 1.0f;
     if (x == 0.0f && y == 0.0f) return {0.0f, 0.0f};
     const bool wide = std::fabs(x) > std::fabs(y);
-    const float radius = wide ? x : y;
-    const float angle = wide ? 0.25f * kPi * (y / x) : 0.5f * kPi - 0.25f * kPi * (x / y);
-    return {radius * std::cos(angle), radius * std::sin(angle)};
+    const float radius = wide ? x : y, rest = wide ? y : x;
+    const auto [sine, cosine] = sine_cosine(0.25f * kPi * (rest / radius));
+    return wide ? V2f(radius * cosine, radius * sine) : V2f(radius * sine, radius * cosine);
 }
 
 /// A direction cosine-weighted over the hemisphere about +Z.

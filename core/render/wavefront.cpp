@@ -91,10 +91,8 @@ void Wavefront::add_emission() {
 
 V3f Wavefront::escaped(const Path& path, const Ray& ray) const noexcept {
     if (!pass_->scene.environment) return V3f(0.0f);
-    const EnvironmentMap& environment = *pass_->scene.environment;
-    const bool mis = depth_ > 1 && pass_->settings.direct_light == DirectLight::kMis;
-    const float pdf = mis ? environment.pdf(ray.direction) : 0.0f;
-    return environment.radiance(ray.direction) * hit_weight(path, pdf);
+    const EnvironmentValue value = pass_->scene.environment->at(ray.direction);
+    return value.radiance * hit_weight(path, value.pdf);
 }
 
 V3f Wavefront::emitted_by(std::uint32_t light, const Path& path, const Ray& ray,
@@ -266,9 +264,9 @@ void Wavefront::scatter() {
         const PathRandom random = random_of(path.pixel);
         const float share = ray_share(surface);
         if (share < 1.0f && random.one(Dimension::kLastRay) >= share) continue;
-        const BsdfSample s =
-            surface.bsdf.sample(random.one(Dimension::kLobe), random.two(Dimension::kScatter));
-        V3f throughput = path.throughput * s.weight / share;
+        const float lobe = surface.bsdf.is_specular() ? random.one(Dimension::kLobe) : 0.0f;
+        const BsdfSample s = surface.bsdf.sample(lobe, random.two(Dimension::kScatter));
+        V3f throughput = path.throughput * s.weight * (1.0f / share);
         if (throughput == V3f(0.0f) || s.direction.dot(surface.normal) <= 0.0f) continue;
         if (depth_ >= pass_->settings.rr_depth) {
             constexpr float kMostLikely = 0.95f;

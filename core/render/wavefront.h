@@ -59,6 +59,10 @@ class Wavefront {
     /// Adds the light that falls on the vertices, and scatters the paths.
     void shade();
 
+    /// The rays that advance(), and the shadow rays that shade(), has traced last.
+    Span<const Ray> rays() const noexcept { return rays_; }
+    Span<const Ray> shadow_rays() const noexcept { return shadow_rays_; }
+
     /// The number of rays traced since it was last asked for.
     std::uint64_t take_ray_count() noexcept;
 
