@@ -31,17 +31,6 @@ struct Derivation {
     }
 };
 
-/// Whether anything in the scene is to be derived by.
-template <typename Float, typename Spectrum>
-bool has_gradients(const Scene<Float, Spectrum>* scene) {
-    bool found = false;
-    scene->traverse_1_cb_ro(&found,
-                            [](void* result, std::uint64_t index, const char*, const char*) {
-                                if (index >> 32 != 0) *static_cast<bool*>(result) = true;
-                            });
-    return found;
-}
-
 /// Throws if a shape is to be derived by.
 template <typename Float, typename Spectrum>
 void refuse_moving_shapes(const Scene<Float, Spectrum>* scene) {

@@ -254,11 +254,6 @@ class LightcullPath final : public MonteCarloIntegrator<Float, Spectrum> {
                     "lightcull_path cannot look at the lights of the scene within a symbolic loop "
                     "or call: call sample() outside of it, or make it mode=\"evaluated\"");
             }
-            if (!ad_grad_suspended() && has_gradients(scene)) {
-                Throw(
-                    "lightcull_path has derivatives as the scene's own integrator, and none within "
-                    "another one");
-            }
             const dr::suspend_grad<Float> no_derivatives;
             const auto lock = lock_llvm_render<Float>();
             const SceneLights<Float, Spectrum> lights(scene);
