@@ -30,7 +30,9 @@ def _llvm() -> None:
 
 def texels(seed: int) -> Any:
     values = np.random.default_rng(seed).uniform(0.2, 0.8, (3, 4, 3)).astype(np.float32)
-    return {"type": "bitmap", "bitmap": mi.Bitmap(values), "raw": True, "filter_type": "nearest"}
+    # Spectral variants want colours.
+    raw = not mi.is_spectral
+    return {"type": "bitmap", "bitmap": mi.Bitmap(values), "raw": raw, "filter_type": "nearest"}
 
 
 def furnished() -> scenes.SceneDict:
@@ -115,12 +117,17 @@ def test_forward_derivatives_have_the_mean_of_prb() -> None:
 
     def image(integrator: Any, seed: int) -> np.ndarray:
         parameters = mi.traverse(scene)
-        dr.enable_grad(parameters[key])
-        dr.set_grad(parameters[key], 1.0)
+        before = mi.TensorXf(parameters[key])
+        change = mi.Float(0.0)
+        dr.enable_grad(change)
+        parameters[key] = before + change
         parameters.update()
+        dr.set_grad(change, 1.0)
+        dr.forward(change, dr.ADFlag.ClearEdges)
         derived = integrator.render_forward(scene, parameters, scene.sensors()[0], seed, 16)
         result = np.array(derived).reshape(3, 8, 4, 8, 3).mean(axis=(1, 3))
-        dr.disable_grad(parameters[key])
+        parameters[key] = before
+        parameters.update()
         return result.reshape(-1).astype(np.float64)
 
     prb, ours = integrator_of("prb"), integrator_of("lightcull_path")
