@@ -178,21 +178,21 @@ def test_gradients_by_materials_are_differences(passes: int) -> None:
 
 
 def thousand_lamps() -> scenes.SceneDict:
-    """1,000 emitters, each a shape."""
-    random = np.random.default_rng(5)
-    places = random.uniform((-4, 1.0, -2.5), (4, 3.2, 4), (1000, 3))
+    """1,000 triangles that emit, in one mesh: as many shapes would take minutes to compile."""
+    places = np.random.default_rng(5).uniform((-4, 1.0, -2.5), (4, 3.2, 4), (500, 3))
     scene = scenes.stage()
     scene["floor"]["bsdf"] = {"type": "diffuse", "reflectance": texels(1)}
-    for i, place in enumerate(places.tolist()):
-        scene[f"lamp{i}"] = scenes.rectangle(place, 0.02, scenes.area(*random.uniform(1, 60, 3).tolist()))
-    return scene
+    return scene | {"mesh": scenes.quads(places.astype(np.float32), 0.02, scenes.rgb(60, 50, 40))}
 
 
 def test_a_thousand_emitters_take_less_variance() -> None:
     """At as many samples, in the mean over parameters of the variance by the squared mean."""
     scene = load(thousand_lamps())
-    keys = ["floor.bsdf.reflectance.data", "wall.bsdf.reflectance.value"]
-    keys += [f"lamp{i}.emitter.radiance.value" for i in range(20)]
+    keys = (
+        "floor.bsdf.reflectance.data",
+        "wall.bsdf.reflectance.value",
+        "mesh.emitter.radiance.value",
+    )
     prb, ours = integrator_of("prb", max_depth=3), integrator_of("lightcull_path", max_depth=3)
     expected = np.stack([gradients(scene, prb, keys, seed, 4) for seed in range(RENDERS)])
     found = np.stack([gradients(scene, ours, keys, 1000 + seed, 4) for seed in range(RENDERS)])
@@ -202,7 +202,7 @@ def test_a_thousand_emitters_take_less_variance() -> None:
     def variance(of: np.ndarray) -> float:
         return float((of.var(axis=0, ddof=1) / mean**2).mean())
 
-    assert variance(found) < 0.5 * variance(expected)
+    assert variance(found) < 0.5 * variance(expected), variance(found) / variance(expected)
 
 
 def test_they_come_through_mitsuba_render() -> None:
