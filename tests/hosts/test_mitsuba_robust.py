@@ -159,30 +159,6 @@ def test_other_variants_refuse(other: str) -> None:
         mi.load_dict({"type": "lightcull_path"})
 
 
-def test_derivatives_are_refused() -> None:
-    import drjit as dr
-
-    mi.set_variant("llvm_ad_rgb")
-    scene = mi.load_dict(scenes.stage() | scenes.lamps(1))
-    parameters = mi.traverse(scene)
-    key = "floor.bsdf.reflectance.value"
-    dr.enable_grad(parameters[key])
-    integrator = mi.load_dict({"type": "lightcull_path", "max_depth": 2})
-    image = mi.render(scene, parameters, integrator=integrator, spp=2)
-    with pytest.raises(RuntimeError) as error:
-        dr.backward(dr.mean(image, axis=None))
-    assert "no derivatives" in _messages(error.value)
-
-
-def test_within_another_integrator_is_refused() -> None:
-    mi.set_variant("scalar_rgb")
-    aov = {"type": "aov", "aovs": "d:depth", "inner": {"type": "lightcull_path"}}
-    with pytest.raises(RuntimeError) as error:
-        scene = mi.load_dict(scenes.stage() | scenes.lamps(1))
-        mi.render(scene, integrator=mi.load_dict(aov), spp=1)
-    assert "not one within another" in _messages(error.value)
-
-
 def test_many_shapes_bring_one_warning() -> None:
     program = """
 import lightcull.mitsuba, mitsuba as mi, sys

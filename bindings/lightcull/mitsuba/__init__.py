@@ -11,11 +11,13 @@ Importing this makes the plugin known to Mitsuba, in whichever variants are set 
 `lightcull_path` takes the parameters of Mitsuba's `path`, and these: light_sampler (a description
 as `lightcull.LightSampler` takes it; default: learned, or culled with one of the following),
 error_bound (a number or "auto") and sets (a power of 4), which are added to it; and keep_learned. It
-renders in scalar_rgb, scalar_spectral, llvm_ad_rgb and llvm_ad_spectral, without derivatives. An
-integrator keeps its light sampler from one render to the next, for as long as the lights are the
-same and the camera sees the same; what it has learned, only with keep_learned, since images then
-depend on those before. Any thread may render; in LLVM variants, renders that are called at once take
-turns. `import_scene` takes a Mitsuba scene to lightcull's own renderer.
+renders in scalar_rgb, scalar_spectral, llvm_ad_rgb and llvm_ad_spectral. In the latter two it has
+derivatives by emission, materials and textures. For these, and within another integrator such as
+`aov`, light_bvh:importance=means chooses lights, whatever light_sampler says. An integrator keeps
+its light sampler from one render to the next, for as long as the lights are the same and the camera
+sees the same; what it has learned, only with keep_learned, since images then depend on those before.
+Any thread may render; in LLVM variants, renders that are called at once take turns.
+`import_scene` takes a Mitsuba scene to lightcull's own renderer.
 
 Importing this raises lightcull.Error if Mitsuba is missing or of another version.
 """

@@ -34,7 +34,9 @@ class LaneLights {
     using Sample = LightSample<Float, Spectrum>;
     using Tables = LightTables<Float, Spectrum>;
 
-    explicit LaneLights(const LightTables<Float, Spectrum>& tables) : tables_(tables) {}
+    /// `derives`: the weights of samples carry the derivatives of emission, and nothing else does.
+    explicit LaneLights(const LightTables<Float, Spectrum>& tables, bool derives = false)
+        : tables_(tables), derives_(derives) {}
 
     /// Samples the lights that were chosen.
     Sample sample_chosen(const SurfaceInteraction3f& si, const ChosenLight<Float>& chosen,
@@ -50,9 +52,12 @@ class LaneLights {
         }
         const Mask is_triangle = triangle != Tables::kNoTriangle;
         const Mask whole = found && !is_triangle;
-        return dr::select(
-            whole, sample_whole(si, emitter, random, chosen.prob, chosen.mis_prob, whole),
-            sample_triangle(si, emitter, triangle, chosen, random, found && is_triangle));
+        const Sample of_whole =
+            sample_whole(si, emitter, random, chosen.prob, chosen.mis_prob, whole);
+        const Sample of_triangle =
+            sample_triangle(si, emitter, triangle, chosen, random, found && is_triangle);
+        const dr::resume_grad<Float> derivatives(derives_);
+        return dr::select(whole, of_whole, of_triangle);
     }
 
     /// Samples one of the emitters without a place. The first number chooses among several.
@@ -86,9 +91,10 @@ class LaneLights {
         const Float pdf =
             triangle_pdf(tables_.area(chosen.light, active), at.n, sample.direction, distance);
         sample.active = active && dr::isfinite(pdf);
-        sample.weight = emitter->eval(at, sample.active) / (chosen.prob * pdf);
         sample.pdf = chosen.mis_prob * pdf;
         sample.delta = false;
+        const dr::resume_grad<Float> derivatives(derives_);
+        sample.weight = emitter->eval(at, sample.active) / (chosen.prob * pdf);
         return sample;
     }
 
@@ -96,18 +102,21 @@ class LaneLights {
     Sample sample_whole(const SurfaceInteraction3f& si, const EmitterPtr& emitter,
                         const Point2f& random, const Float& select_prob, const Float& mis_prob,
                         const Mask& active) const {
-        const auto [ds, weight] = emitter->sample_direction(si, random, active);
+        auto [ds, weight] = emitter->sample_direction(si, random, active);
         Sample sample;
         sample.p = ds.p;
         sample.direction = ds.d;
-        sample.weight = weight / select_prob;
         sample.pdf = mis_prob * ds.pdf;
         sample.delta = ds.delta;
         sample.active = active && ds.pdf > 0.0f;
+        const dr::resume_grad<Float> derivatives(derives_);
+        if (derives_) weight = emitter->eval_direction(si, ds, sample.active) / ds.pdf;
+        sample.weight = weight / select_prob;
         return sample;
     }
 
     const Tables& tables_;
+    bool derives_;
 };
 
 }  // namespace mitsuba::culling

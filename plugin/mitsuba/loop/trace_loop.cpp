@@ -48,9 +48,10 @@ class Bounce {
     using Tables = LightTables<Float, Spectrum>;
     using Sample = LightSample<Float, Spectrum>;
 
+    /// `derives`: operator() is called with `derived`.
     Bounce(const PathContext<Float, Spectrum>& context, const Tables& tables,
-           const LightBvhArrays<Float>& bvh)
-        : context_(context), tables_(tables), bvh_(bvh), lights_(tables) {}
+           const LightBvhArrays<Float>& bvh, bool derives = false)
+        : context_(context), tables_(tables), bvh_(bvh), lights_(tables, derives) {}
 
     State start(const RayDifferential3f& rays, Sampler* sampler, const Mask& active) const {
         const Mask valid = !context_.hide_emitters && context_.scene->environment() != nullptr;
@@ -68,12 +69,16 @@ class Bounce {
                 sampler};
     }
 
-    void operator()(State& paths) const {
+    /// Adds the light that the paths find to their results. With `derived`, which is 0 before, it
+    /// does this again for paths whose results are what is found from here on: it takes the light
+    /// off them, so that only that of later bounces is left, and `derived` is all of it, with
+    /// derivatives ([Vicini et al. 2021], path replay).
+    void operator()(State& paths, Spectrum* derived = nullptr) const {
         SurfaceInteraction3f si = find_hits(paths);
-        const Mask sees_emitter = add_emission(paths, si);
+        const Mask sees_emitter = add_emission(paths, si, derived);
         const Mask goes_on = paths.active && paths.depth + 1u < context_.max_depth && si.is_valid();
         if (!context_.hide_emitters) paths.valid |= paths.active && !goes_on && sees_emitter;
-        shade(paths, si, goes_on);
+        shade(paths, si, goes_on, derived);
         paths.depth += 1u;
     }
 
@@ -94,16 +99,26 @@ class Bounce {
     }
 
     /// Adds the light of what the rays have hit, or of the environment; says where there was any.
-    Mask add_emission(State& paths, const SurfaceInteraction3f& si) const {
+    Mask add_emission(State& paths, const SurfaceInteraction3f& si, Spectrum* derived) const {
         const EmitterPtr emitter = si.emitter(context_.scene, paths.active);
         const Mask is_there = emitter != nullptr;
         const Mask shines = paths.active && is_there && paths.bsdf_pdf > 0.0f;
         const Float weight = dr::select(
             paths.weigh,
             mis_weight(paths.bsdf_pdf, light_pdf(paths, si, emitter, shines && paths.weigh)), 1.0f);
-        dr::masked(paths.result, shines) =
-            paths.result + paths.throughput * emitter->eval(si, shines) * weight;
+        const dr::resume_grad<Float> derivatives(derived != nullptr);
+        add(paths, shines, paths.throughput * emitter->eval(si, shines) * weight, derived);
         return is_there;
+    }
+
+    /// Adds light to the results, or takes it off and adds it to `derived`.
+    static void add(State& paths, const Mask& where, const Spectrum& light, Spectrum* derived) {
+        if (derived) {
+            *derived += dr::select(where, light, 0.0f);
+            dr::masked(paths.result, where) = paths.result - dr::detach(light);
+        } else {
+            dr::masked(paths.result, where) = paths.result + light;
+        }
     }
 
     /// The density with which the last vertices would have sampled what was hit as a light.
@@ -134,7 +149,8 @@ class Bounce {
     }
 
     /// Adds direct light, and scatters the paths.
-    void shade(State& paths, SurfaceInteraction3f& si, const Mask& active) const {
+    void shade(State& paths, SurfaceInteraction3f& si, const Mask& active,
+               Spectrum* derived) const {
         const BSDFPtr bsdf = si.bsdf(paths.ray);
         const BSDFContext context;
         const UInt32 flags = bsdf->flags();
@@ -148,7 +164,7 @@ class Bounce {
             const Sample sample = sample_unplaced(paths, si, smooth);
             const auto [value, pdf] =
                 bsdf->eval_pdf(context, si, si.to_local(sample.direction), sample.active);
-            add_if_visible(paths, si, sample, value, pdf);
+            add_if_visible(paths, si, bsdf, sample, value, pdf, derived);
         }
         Sample sample = dr::zeros<Sample>();
         if (has_lights()) {
@@ -160,8 +176,14 @@ class Bounce {
         const Point2f random_2 = paths.sampler->next_2d();
         const auto [value, pdf, next, weight] = bsdf->eval_pdf_sample(
             context, si, si.to_local(sample.direction), random_1, random_2, active);
-        add_if_visible(paths, si, sample, value, pdf);
+        add_if_visible(paths, si, bsdf, sample, value, pdf, derived);
         advance(paths, si, next, weight, smooth, active);
+        if (!derived) return;
+        const dr::resume_grad<Float> derivatives;
+        const Spectrum scattered = bsdf->eval(context, si, next.wo, active);
+        const Spectrum value_now = dr::detach(scattered);
+        const Spectrum later = dr::select(value_now != 0.0f, paths.result / value_now, 0.0f);
+        *derived += later * scattered;
     }
 
     bool has_lights() const { return !context_.lights->lights().empty(); }
@@ -184,13 +206,19 @@ class Bounce {
         return lights_.sample_unplaced(si, random, paths.sampler->next_2d(), active);
     }
 
-    void add_if_visible(State& paths, const SurfaceInteraction3f& si, const Sample& sample,
-                        const Spectrum& bsdf_value, const Float& bsdf_pdf) const {
+    void add_if_visible(State& paths, const SurfaceInteraction3f& si, const BSDFPtr& bsdf,
+                        const Sample& sample, Spectrum bsdf_value, const Float& bsdf_pdf,
+                        Spectrum* derived) const {
+        const dr::resume_grad<Float> derivatives(derived != nullptr);
+        if (derived) {
+            bsdf_value =
+                bsdf->eval(BSDFContext(), si, si.to_local(sample.direction), sample.active);
+        }
         const Spectrum light = paths.throughput * bsdf_value * sample.weight *
                                dr::select(sample.delta, 1.0f, mis_weight(sample.pdf, bsdf_pdf));
         const Mask traced = sample.active && dr::any(light != 0.0f);
         const Mask arrived = traced && !context_.scene->ray_test(si.spawn_ray_to(sample.p), traced);
-        dr::masked(paths.result, arrived) = paths.result + light;
+        add(paths, arrived, light, derived);
     }
 
     /// Moves the paths on to their next rays, and plays roulette.
@@ -236,8 +264,53 @@ std::pair<Spectrum, dr::mask_t<Float>> trace_loop(
     return {dr::select(paths.valid, paths.result, 0.0f), paths.valid};
 }
 
+template <typename Float, typename Spectrum>
+Spectrum derive_loop(const PathContext<Float, Spectrum>& context, Sampler<Float, Spectrum>* sampler,
+                     const RayDifferential<Point<Float, 3>, Spectrum>& rays,
+                     const LightTables<Float, Spectrum>& tables, const LightBvhArrays<Float>& bvh,
+                     const dr::mask_t<Float>& active, dr::ADMode mode, const Spectrum& change) {
+    using State = LoopState<Float, Spectrum>;
+    const dr::suspend_grad<Float> no_derivatives;
+    ref<Sampler<Float, Spectrum>> same_numbers = sampler->clone();
+    const auto [light, valid] = trace_loop(context, sampler, rays, tables, bvh, active);
+    const Bounce<Float, Spectrum> bounce(context, tables, bvh, true);
+    State paths = bounce.start(rays, same_numbers.get(), active);
+    paths.result = light;
+    bool is_derived = false;
+    Spectrum changes = dr::select(valid, change, 0.0f);
+    dr::tie(paths, changes) = dr::while_loop(
+        dr::make_tuple(paths, changes),
+        [](const State& state, const Spectrum&) { return state.active; },
+        [&](State& state, Spectrum& change) {
+            Spectrum derived(0.0f);
+            bounce(state, &derived);
+            const dr::resume_grad<Float> derivatives;
+            if (!dr::grad_enabled(derived)) return;
+            is_derived = true;
+            if (mode == dr::ADMode::Backward) {
+                Spectrum weighted = change * derived;
+                dr::backward_from(weighted);
+            } else {
+                // Later bounces, and passes, need the derivatives of the parameters, too.
+                dr::forward_to(derived, dr::ADFlag::ClearEdges | dr::ADFlag::ClearInterior);
+                change += dr::grad(derived);
+            }
+        },
+        "lightcull: bounces, with derivatives");
+    if (!is_derived) {
+        Throw(
+            "lightcull_path has derivatives by emission, materials and textures, and none by "
+            "what was asked for");
+    }
+    return dr::select(valid, changes, 0.0f);
+}
+
 // NOLINTBEGIN(bugprone-macro-parentheses)
 #define INSTANTIATE(Float, Spectrum)                                                            \
+    template Spectrum derive_loop<Float, Spectrum>(                                             \
+        const PathContext<Float, Spectrum>&, Sampler<Float, Spectrum>*,                         \
+        const RayDifferential<Point<Float, 3>, Spectrum>&, const LightTables<Float, Spectrum>&, \
+        const LightBvhArrays<Float>&, const dr::mask_t<Float>&, dr::ADMode, const Spectrum&);   \
     template std::pair<Spectrum, dr::mask_t<Float>> trace_loop<Float, Spectrum>(                \
         const PathContext<Float, Spectrum>&, Sampler<Float, Spectrum>*,                         \
         const RayDifferential<Point<Float, 3>, Spectrum>&, const LightTables<Float, Spectrum>&, \

@@ -1,20 +1,20 @@
-#include <lightcull/light_bvh_table.h>
-
 #include <mitsuba/core/profiler.h>
 #include <mitsuba/core/util.h>
 #include <mitsuba/render/integrator.h>
 
+#include <atomic>
 #include <memory>
 #include <string>
 #include <utility>
 
 #include "arrays/variants.h"
-#include "lanes/light_tables.h"
-#include "loop/light_bvh_arrays.h"
 #include "loop/trace_loop.h"
 #include "paths/path_context.h"
 #include "paths/progress_bar.h"
+#include "render/caller_lights.h"
+#include "render/errors_in_log.h"
 #include "render/llvm_render_lock.h"
+#include "render/loop_lights.h"
 #include "render/other_variants.h"
 #include "render/render_task.h"
 #include "sampler/range_sets.h"
@@ -85,6 +85,10 @@ std::uint32_t to_number(const UInt32& value) {
 /// the light sampler learns, passes are short, and each learns from the shadow rays of those
 /// before.
 ///
+/// Another integrator may call sample() as it does that of `path`, and in LLVM variants there are
+/// derivatives by emission and materials, as of Mitsuba's `prb`. Lights are then chosen by
+/// light_bvh:importance=means, whatever `light_sampler` says, since that needs no passes.
+///
 /// In LLVM variants a pass is one kernel, as with `path`, where the light sampler is
 /// light_bvh:importance=means, or culled or learned with up to 64 lights, which are chosen among in
 /// the same way. With any other, a bounce is two kernels, between which the processor chooses.
@@ -98,6 +102,9 @@ class LightcullPath final : public MonteCarloIntegrator<Float, Spectrum> {
     explicit LightcullPath(const Properties& properties)
         : Base(properties),
           description_(sampler_description(properties)),
+          asks_for_sampler_(properties.has_property("light_sampler") ||
+                            properties.has_property("error_bound") ||
+                            properties.has_property("sets")),
           keep_learned_(properties.get<bool>("keep_learned", false)) {
         // A wrong description is reported here, before there are lights.
         ReusableSampler({description_, {}, {}, 0});
@@ -105,23 +112,22 @@ class LightcullPath final : public MonteCarloIntegrator<Float, Spectrum> {
 
     TensorXf render(Scene* scene, Sensor* sensor, UInt32 seed, std::uint32_t spp, bool develop,
                     bool evaluate) override {
+        return with_errors_in_log<Float>(
+            [&] { return render_image(scene, sensor, seed, spp, develop, evaluate); });
+    }
+
+    /// Is what render() is, but for its errors.
+    TensorXf render_image(Scene* scene, Sensor* sensor, UInt32 seed, std::uint32_t spp,
+                          bool develop, bool evaluate) {
         ScopedPhase phase(ProfilerPhase::Render);
         m_stop = false;
         const auto lock = lock_llvm_render<Float>();
         m_render_timer.reset();
-        if (spp != 0) sensor->sampler()->set_sample_count(spp);
         if constexpr (dr::is_jit_v<Float>) warn_of_many_shapes(scene);
 
         const SceneLights<Float, Spectrum> lights(scene);
-        const ScalarVector2u size = sampled_size(sensor->film());
-        Job job{{this, scene, &lights, nullptr, m_max_depth, m_rr_depth, m_hide_emitters,
-                 has_glossy_surfaces(scene)},
-                nullptr,
-                sensor,
-                size,
-                sensor->film()->prepare(aov_names()),
-                to_number(seed),
-                sensor->sampler()->sample_count()};
+        Job job = make_job(scene, lights, sensor, seed, spp);
+        const ScalarVector2u& size = job.size;
         Log(Info, "Starting render job (%ux%u, %u sample%s, %u lights by %s)", size.x(), size.y(),
             job.spp, job.spp == 1 ? "" : "s", lights.lights().size(), description_);
         if (kernel_chooses(lights)) {
@@ -147,18 +153,20 @@ class LightcullPath final : public MonteCarloIntegrator<Float, Spectrum> {
         return image;
     }
 
-    /// Serves render() alone. It throws elsewhere, as from within another integrator, since nobody
-    /// would redraw the ranges there.
-    std::pair<Spectrum, Mask> sample(const Scene*, Sampler* sampler, const RayDifferential3f& ray,
-                                     const Medium*, Float*, Mask active) const override {
-        DRJIT_MARK_USED(active);
+    std::pair<Spectrum, Mask> sample(const Scene* scene, Sampler* sampler,
+                                     const RayDifferential3f& ray, const Medium*, Float*,
+                                     Mask active) const override {
+        if (m_max_depth == 0) return {0.0f, false};
         const auto* task = RenderTask<Float, Spectrum>::current();
         if (!task || task->context.integrator != this) {
-            Throw("lightcull_path must be the scene's own integrator, not one within another");
+            return with_errors_in_log<Float>(
+                [&] { return sample_for_caller(scene, sampler, ray, active); });
         }
-        if (m_max_depth == 0) return {0.0f, false};
         if constexpr (dr::is_jit_v<Float>) {
-            const auto& [passes, tables, bvh] = task->part;
+            const auto& [passes, tables, bvh, derivation] = task->part;
+            if (derivation) {
+                return derivation->sample(task->context, sampler, ray, tables, *bvh, active);
+            }
             if (bvh) return trace_loop(task->context, sampler, ray, tables, *bvh, active);
             return trace_wavefront(task->context, sampler, ray, passes.pass());
         } else {
@@ -166,11 +174,28 @@ class LightcullPath final : public MonteCarloIntegrator<Float, Spectrum> {
         }
     }
 
-    TensorXf render_forward(Scene*, void*, Sensor*, UInt32, std::uint32_t) override {
-        refuse_derivatives();
+    TensorXf render_forward(Scene* scene, void*, Sensor* sensor, UInt32 seed,
+                            std::uint32_t spp) override {
+        TensorXf image;
+        derive(scene, sensor, seed, spp, [&](const Job& job, auto& passes, const auto& loop) {
+            const Derivation<Float, Spectrum> forward{Derivation<Float, Spectrum>::kForward, 0.0f};
+            render_passes(job, passes, {passes, loop.tables, &loop.bvh, &forward},
+                          [](std::uint32_t) {});
+            image = finish(sensor->film(), true, true);
+        });
+        return image;
     }
-    void render_backward(Scene*, void*, const TensorXf&, Sensor*, UInt32, std::uint32_t) override {
-        refuse_derivatives();
+    void render_backward(Scene* scene, void*, const TensorXf& gradient, Sensor* sensor, UInt32 seed,
+                         std::uint32_t spp) override {
+        derive(scene, sensor, seed, spp, [&](const Job& job, auto& passes, const auto& loop) {
+            // All passes have as many samples.
+            const Float share = dr::detach(gradient.array()) / static_cast<float>(passes.count());
+            for (std::uint32_t pass = 0; pass < passes.count() && !should_stop(); ++pass) {
+                derive_backward(job, passes, loop, share);
+                passes.advance();
+            }
+            sensor->film()->clear();
+        });
     }
 
     std::string to_string() const override {
@@ -193,15 +218,127 @@ class LightcullPath final : public MonteCarloIntegrator<Float, Spectrum> {
         std::uint32_t seed, spp;
     };
 
-    [[noreturn]] static void refuse_derivatives() {
-        Throw("lightcull_path has no derivatives; for gradients, render with Mitsuba's prb");
-    }
-
     /// The size of what gets samples, with the border (pixels).
     static ScalarVector2u sampled_size(const Film* film) {
         ScalarVector2u size = film->crop_size();
         if (film->sample_border()) size += 2 * film->rfilter()->border_size();
         return size;
+    }
+
+    Job make_job(const Scene* scene, const SceneLights<Float, Spectrum>& lights, Sensor* sensor,
+                 const UInt32& seed, std::uint32_t spp) const {
+        if (spp != 0) sensor->sampler()->set_sample_count(spp);
+        return {context(scene, lights, has_glossy_surfaces(scene)),
+                nullptr,
+                sensor,
+                sampled_size(sensor->film()),
+                sensor->film()->prepare(aov_names()),
+                to_number(seed),
+                sensor->sampler()->sample_count()};
+    }
+
+    /// The context of paths among whose lights the kernel chooses.
+    PathContext<Float, Spectrum> context(const Scene* scene,
+                                         const SceneLights<Float, Spectrum>& lights,
+                                         bool has_lobes) const {
+        return {this, scene, &lights, nullptr, m_max_depth, m_rr_depth, m_hide_emitters, has_lobes};
+    }
+
+    /// Traces paths for whoever asks, as another integrator does around this one. Nobody tells of
+    /// passes then, and lights are chosen as `kMeans` says, which needs none.
+    std::pair<Spectrum, Mask> sample_for_caller(const Scene* scene, Sampler* sampler,
+                                                const RayDifferential3f& ray, Mask active) const {
+        if constexpr (dr::is_jit_v<Float>) {
+            if (jit_flag(JitFlag::SymbolicScope)) {
+                Throw(
+                    "lightcull_path cannot look at the lights of the scene within a symbolic loop "
+                    "or call: call sample() outside of it, or make it mode=\"evaluated\"");
+            }
+            const dr::suspend_grad<Float> no_derivatives;
+            const auto lock = lock_llvm_render<Float>();
+            const SceneLights<Float, Spectrum> lights(scene);
+            say_what_chooses(lights);
+            const PathContext<Float, Spectrum> paths =
+                context(scene, lights, has_glossy_surfaces(scene));
+            const LoopLights<Float, Spectrum> loop(scene, lights, paths.has_lobes);
+            return trace_loop(paths, sampler, ray, loop.tables, loop.bvh, active);
+        } else {
+            if (!active) return {0.0f, false};
+            const auto& known = caller_lights_.of(scene, sampler);
+            say_what_chooses(known.lights);
+            PathContext<Float, Spectrum> path = context(scene, known.lights, known.has_lobes);
+            path.light_sampler = &known.light_sampler->sampler();
+            return trace_path(path, sampler, ray, PathSets());
+        }
+    }
+
+    /// Calls function(job, passes, lights of the loop) to compute derivatives.
+    template <typename Function>
+    void derive(Scene* scene, Sensor* sensor, const UInt32& seed, std::uint32_t spp,
+                const Function& function) {
+        if constexpr (dr::is_jit_v<Float>) {
+            with_errors_in_log<Float>([&] {
+                refuse_moving_shapes(scene);
+                m_stop = false;
+                const dr::suspend_grad<Float> no_derivatives;
+                const auto lock = lock_llvm_render<Float>();
+                m_render_timer.reset();
+                const SceneLights<Float, Spectrum> lights(scene);
+                say_what_chooses(lights);
+                const Job job = make_job(scene, lights, sensor, seed, spp);
+                const LoopLights<Float, Spectrum> loop(scene, lights, job.context.has_lobes);
+                WavefrontPasses<Float, Spectrum> passes(sensor, job.size, job.seed, job.spp, {},
+                                                        loop.tables, memory_);
+                function(job, passes, loop);
+            });
+        } else {
+            Throw("lightcull_path has derivatives in llvm_ad variants");
+        }
+    }
+
+    /// Adds to the gradients of the scene what a pass has of them, by the gradient of the image.
+    template <typename Passes>
+    void derive_backward(const Job& job, Passes& passes, const LoopLights<Float, Spectrum>& loop,
+                         const Float& gradient) const {
+        using Step = Derivation<Float, Spectrum>;
+        const std::unique_ptr<Float[]> channels(new Float[job.channels]);
+        Step step{Step::kSplat, dr::full<Spectrum>(1.0f, dr::width(passes.corners()))};
+        const LanePaths<Float, Spectrum> paths{passes, loop.tables, &loop.bvh, &step};
+        const RenderTask<Float, Spectrum> task(job.context, paths);
+        const auto render = [&](Sampler* sampler, ImageBlock* block) {
+            render_sample(job.context.scene, job.sensor, sampler, block, channels.get(),
+                          passes.corners(), dr::rsqrt(static_cast<float>(job.spp)));
+        };
+        ref<Sampler> same_numbers = passes.sampler()->clone();
+        {
+            const dr::resume_grad<Float> derivatives;
+            dr::enable_grad(step.change);
+            Film* film = job.sensor->film();
+            ref<ImageBlock> block = film->create_block();
+            block->set_offset(film->crop_offset());
+            block->set_coalesce(passes.block()->coalesce());
+            render(same_numbers.get(), block.get());
+            film->clear();
+            film->put_block(block);
+            TensorXf image = film->develop();
+            dr::set_grad(image.array(), gradient);
+            dr::enqueue(dr::ADMode::Backward, image.array());
+            dr::traverse(dr::ADMode::Backward);
+            step.change = dr::grad(step.change);
+        }
+        step.step = Step::kBackward;
+        render(passes.sampler(), passes.block());
+        dr::eval();
+    }
+
+    /// Says once if lights are not chosen as `light_sampler` asks.
+    void say_what_chooses(const SceneLights<Float, Spectrum>& lights) const {
+        if (said_what_chooses_ || said_what_chooses_.exchange(true)) return;
+        if (chooses_by_means(description_, lights.lights().size())) return;
+        Log(asks_for_sampler_ ? Warn : Info,
+            "lightcull_path: within another integrator and for derivatives, %s chooses lights, not "
+            "%s, which needs passes",
+            kMeans, description_);
     }
 
     /// The light sampler of the last render if it was made from the same, else a new one.
@@ -270,16 +407,11 @@ class LightcullPath final : public MonteCarloIntegrator<Float, Spectrum> {
     void render_loops(const Job& job) {
         if constexpr (dr::is_jit_v<Float>) {
             const dr::suspend_grad<Float> no_derivatives;
-            const SceneLights<Float, Spectrum>& lights = *job.context.lights;
-            const LightTables<Float, Spectrum> tables(job.context.scene, lights);
-            ::lightcull::LightBvhTable bvh;
-            if (lights.lights().size() > 1) {
-                in_sampler_arena([&] { bvh = ::lightcull::make_light_bvh_table(lights.lights()); });
-            }
-            const LightBvhArrays<Float> arrays(bvh, job.context.has_lobes);
+            const LoopLights<Float, Spectrum> loop(job.context.scene, *job.context.lights,
+                                                   job.context.has_lobes);
             WavefrontPasses<Float, Spectrum> passes(job.sensor, job.size, job.seed, job.spp, {},
-                                                    tables, memory_);
-            render_passes(job, passes, {passes, tables, &arrays}, [](std::uint32_t) {});
+                                                    loop.tables, memory_);
+            render_passes(job, passes, {passes, loop.tables, &loop.bvh}, [](std::uint32_t) {});
         } else {
             DRJIT_MARK_USED(job);
         }
@@ -327,8 +459,11 @@ class LightcullPath final : public MonteCarloIntegrator<Float, Spectrum> {
     }
 
     std::string description_;
+    bool asks_for_sampler_;  ///< it is not the default that description_ is
     bool keep_learned_;
     SamplerCache cache_;
+    mutable CallerLights<Float, Spectrum> caller_lights_;
+    mutable std::atomic<bool> said_what_chooses_ = false;
     LaneMemory memory_;  // of the render that holds the lock
 };
 

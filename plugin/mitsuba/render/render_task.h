@@ -6,6 +6,7 @@
 #include "lanes/light_tables.h"
 #include "loop/light_bvh_arrays.h"
 #include "paths/path_context.h"
+#include "render/derivation.h"
 #include "sampler/range_sets.h"
 #include "wavefront/wavefront_passes.h"
 
@@ -18,6 +19,7 @@ struct LanePaths {
     const LightTables<Float, Spectrum>& tables;
     const LightBvhArrays<Float>* bvh;  ///< lights are chosen from it in the kernel; null: by
                                        ///< PathContext::light_sampler, between kernels
+    const Derivation<Float, Spectrum>* derivation = nullptr;  ///< what is done in place of tracing
 };
 
 /// A task says what Integrator::sample() is to do, as far as its parameters do not. The thread that

@@ -7,6 +7,9 @@
 
 namespace mitsuba::culling {
 
+/// The description of the light sampler that chooses within kernels, and that needs no passes.
+inline constexpr const char* kMeans = "light_bvh:importance=means";
+
 /// The description of the light sampler, as lightcull::make_sampler() takes it, from the
 /// integrator's parameters `light_sampler` (a description; learned unless given, or culled with the
 /// others), `error_bound` (a number or "auto") and `sets` (a whole number), which are added to it.
