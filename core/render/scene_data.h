@@ -50,7 +50,7 @@ struct SceneData {
     std::vector<float> mean_radiances;  ///< luminances of those that are triangles or parts of
                                         ///< them, means over their areas; may end before lights
     TriangleCuts cuts;                  ///< emissive triangles, cut or not, since commit()
-    std::vector<std::uint32_t> part_lights;  ///< lights of the parts of those that are cut
+    std::vector<std::uint32_t> part_lights;       ///< lights of the parts of those that are cut
     std::size_t points = 0, spots = 0, suns = 0;  ///< numbers of such emitters
     std::size_t further_parts = 0;  ///< number of lights, the last ones, that are not a triangle's
                                     ///< first part

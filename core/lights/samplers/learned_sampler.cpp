@@ -145,7 +145,8 @@ class LearnedPass final : public LightSelector, public SamplerInfo {
         const std::uint32_t cluster = cut.cluster_of_leaf(lights_->leaves.first(slot));
         const float visible = cut.visible[cluster];
         const bool tried = visible < 1.0f;
-        const bool may_light = cut_kernels().weight_of(cut, cut.place_of[cluster], to_local(point)) > 0.0f;
+        const bool may_light =
+            cut_kernels().weight_of(cut, cut.place_of[cluster], to_local(point)) > 0.0f;
         return tried && may_light ? visible * visible : kUnknown;
     }
 
@@ -202,7 +203,8 @@ class LearnedPass final : public LightSelector, public SamplerInfo {
         CutWeights weights;
         cut_kernels().weigh(lights_->bvh(), cut, x, weights);
         const auto begin = std::begin(weights.opened), end = begin + weights.opened_count;
-        for (; slot != cut.slot[cluster]; slot = lights_->bvh().parents[slot / CutWeights::kWidth]) {
+        for (; slot != cut.slot[cluster];
+             slot = lights_->bvh().parents[slot / CutWeights::kWidth]) {
             const auto found = std::find(begin, end, slot / CutWeights::kWidth);
             if (found == end) continue;
             const auto k = static_cast<std::uint32_t>(found - begin);
