@@ -80,7 +80,8 @@ void bind_virtual_lights(py::module_& module) {
         .def_readonly("map_points", &VirtualLightStats::map_points);
     py::class_<VirtualLightMemory>(module, "VirtualLightMemory")
         .def_readonly("lights", &VirtualLightMemory::lights)
-        .def_readonly("image", &VirtualLightMemory::image);
+        .def_readonly("image", &VirtualLightMemory::image)
+        .def_readonly("kept", &VirtualLightMemory::kept);
     py::class_<InterruptibleVirtualLights>(module, "VirtualLightRenderer")
         .def(py::init(&make_virtual_lights), py::arg("scene"), py::arg("method"),
              py::arg("sampler"), py::arg("width"), py::arg("height"), py::arg("max_depth"),

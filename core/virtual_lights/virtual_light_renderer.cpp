@@ -302,7 +302,8 @@ RendererMemory VirtualLightRenderer::memory_size() const noexcept {
 
 VirtualLightMemory VirtualLightRenderer::virtual_light_memory() const {
     return {impl_->arena.execute([&] { return impl_->bytes_of_lights(); }),
-            impl_->of_pixels.size() * kBytesPerPixel};
+            impl_->of_pixels.size() * kBytesPerPixel,
+            size_of(impl_->of_pixels) + size_of(impl_->bounced.sums())};
 }
 
 }  // namespace lightcull

@@ -44,8 +44,8 @@ class MemoryNeed:
 
 def memory_need(job: PathJob | VirtualLightJob, size: tuple[int, int]) -> MemoryNeed:
     """What a render that is set up in this process will have needed once it is done."""
-    scene, renderer, virtual_lights = job.memory_size()
-    there = scene.data + scene.bvh + renderer.sampler + renderer.film
+    scene, renderer, virtual_lights, kept = job.memory_size()
+    there = scene.data + scene.bvh + renderer.sampler + renderer.film + kept
     return MemoryNeed(
         program=max(of_process("VmRSS") - there, 0),
         scene=scene.data,

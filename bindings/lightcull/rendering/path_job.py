@@ -115,9 +115,9 @@ class PathJob:
         """What the sampler has learned, at camera points; None if it has not."""
         return self._renderer.learned_view()
 
-    def memory_size(self) -> tuple[_core.SceneMemory, _core.RendererMemory, int]:
-        """Bytes, of the scene, of paths and of virtual lights."""
-        return self._scene.memory_size(), self._renderer.memory_size(), 0
+    def memory_size(self) -> tuple[_core.SceneMemory, _core.RendererMemory, int, int]:
+        """Bytes, of the scene, of paths, of virtual lights, and of those what is there already."""
+        return self._scene.memory_size(), self._renderer.memory_size(), 0, 0
 
     def stats(self) -> Stats:
         stats = Stats.of(self._renderer.stats(), self._setup_seconds)

@@ -77,10 +77,13 @@ class VirtualLightJob:
     def stats(self) -> Stats:
         return Stats.of(self._renderer.stats(), self._renderer.setup_seconds())
 
-    def memory_size(self) -> tuple[_core.SceneMemory, _core.RendererMemory, int]:
-        """Bytes, of the scene, of direct light and of virtual lights."""
+    def memory_size(self) -> tuple[_core.SceneMemory, _core.RendererMemory, int, int]:
+        """Bytes, of the scene, of direct light, of virtual lights, and of those what is there
+        already.
+        """
         virtual_lights = self._memory.lights + self._memory.image
-        return self._scene.memory_size(), self._renderer.memory_size(), virtual_lights
+        direct = self._renderer.memory_size()
+        return self._scene.memory_size(), direct, virtual_lights, self._memory.kept
 
     def lights_of_pixels(self) -> np.ndarray:
         """float64 (H, W, 2): listed and accepted lights of each pixel, means over the passes."""

@@ -46,11 +46,11 @@ CutChoice choose(const CutWeights& weights, double number) noexcept {
     }
     double before[CutWeights::kMaxSize / kStride];
     double sum = 0.0;
-    std::size_t begun = 0;
-    for (std::size_t row = 0; row < weights.size / kStride; ++row) {
-        before[row] = sum;
+    std::size_t begun = 0, rows = 0;
+    for (std::size_t i = column; i < weights.size; i += kStride) {
+        before[rows++] = sum;
         begun += static_cast<std::size_t>(sum <= left);
-        sum += static_cast<double>(weights.of[column + row * kStride]);
+        sum += static_cast<double>(weights.of[i]);
     }
     // The last cluster with any weight that begins before the place.
     std::size_t row = begun - 1;

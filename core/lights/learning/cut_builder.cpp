@@ -166,24 +166,39 @@ class GivenToPlace {
     Receiver in_volume_;
 };
 
+/// True if the distance of a child of a node, and its emission towards a place, vary little over
+/// it.
+bool is_far(const MeansNode& node, std::size_t i, const CutPlace& place) noexcept {
+    // So many radii away from it, and in front of what emits by a cosine. Measured.
+    constexpr float kFar = 12.0f;
+    const float least = kFar * place.radius;
+    const float3 way = center_of(node, i) - place.position;
+    const float distance2 = dot(way, way);
+    if (!(distance2 > least * least)) return false;
+    const float3 normal{node.mean_normal[0][i], node.mean_normal[1][i], node.mean_normal[2][i]};
+    const float along = dot(normal, way);
+    const float facing = std::signbit(node.diffuse[i]) ? std::abs(along) : -along;
+    const float mean_distance2 = distance2 + std::abs(node.spread[i]);
+    const float root = std::sqrt(facing * facing + std::max(node.spread[i], 0.0f) +
+                                 std::abs(node.diffuse[i]) * mean_distance2);
+    return facing + root > 2.0f * least * length(normal);
+}
+
 /// Gives each cluster of a cut its place: near ones first, those next to the cell where they do
 /// not fill their blocks.
 void find_places(const LightBvh<MeansNode>& bvh, const CutPlace& place, ClusterCut& cut) noexcept {
-    // From so many radii on, the distance varies by little over the cell. Measured.
-    constexpr float kFar = 12.0f;
-    const float far2 = kFar * kFar * place.radius * place.radius;
     const GivenToPlace given(bvh, place);
     std::array<std::pair<float, std::uint8_t>, ClusterCut::kMaxSize> order;
     std::uint32_t near = 0;
     for (std::uint32_t i = 0; i < cut.size; ++i) {
         const std::uint32_t n = cut.slot[i] / kWidth, child = cut.slot[i] % kWidth;
-        const float3 way = center_of(bvh.nodes[n], child) - place.position;
-        const float distance2 = dot(way, way);
+        const MeansNode& node = bvh.nodes[n];
         // What a single light gives is known exactly.
-        const bool far = !is_light(bvh.nodes[n].child[child]) && distance2 > far2 &&
+        const bool far = !is_light(node.child[child]) && is_far(node, child, place) &&
                          given.by_cosine(n, child) > 0.0f;
         near += far ? 0 : 1;
-        order[i] = {far ? distance2 : 0.0f, static_cast<std::uint8_t>(i)};
+        const float3 way = center_of(node, child) - place.position;
+        order[i] = {far ? dot(way, way) : 0.0f, static_cast<std::uint8_t>(i)};
     }
     std::sort(order.begin(), order.begin() + cut.size);
     for (std::uint32_t at = 0; at < cut.size; ++at) {

@@ -130,6 +130,7 @@ struct VirtualLightStats {
 struct VirtualLightMemory {
     std::size_t lights = 0;  ///< light paths, virtual lights and all that is made of them
     std::size_t image = 0;   ///< the surfaces that pixels show, and their light
+    std::size_t kept = 0;    ///< of `image`, what is there before the first pass, and stays
 };
 
 /// The numbers of virtual lights of a pixel, as VirtualLightStats counts them.

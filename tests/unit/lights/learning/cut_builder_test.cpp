@@ -169,4 +169,36 @@ TEST_CASE("a cut's places hold each cluster once, near ones first") {
     CHECK(cut.near_size >= cut.size);
 }
 
+TEST_CASE("a choice out of a cut falls on each place as often as its weight says") {
+    // As many places as with an odd number of opened nodes: the last row is half of one.
+    constexpr std::size_t kStride = CutWeights::kStride;
+    CutWeights weights{};
+    weights.first_opened = 112;
+    weights.opened_count = 1;
+    weights.size = weights.first_opened + CutWeights::kWidth;
+    float total = 0.0f;
+    for (std::uint32_t i = 0; i < weights.size; ++i) {
+        weights.of[i] = static_cast<float>(i % 7 == 3 ? 0 : 1 + i % 5);
+        weights.sums[i % kStride] += weights.of[i];
+        total += weights.of[i];
+    }
+    for (std::size_t from = 0, half = kStride / 2; half > 0; half /= 2) {
+        const std::size_t to = from + 2 * half;
+        for (std::size_t i = 0; i < half; ++i) {
+            weights.sums[to + i] = weights.sums[from + i] + weights.sums[from + half + i];
+        }
+        from = to;
+    }
+    REQUIRE(weights.total() == total);
+    std::vector<float> chosen(weights.size);
+    for (float place = 0.0f; place < total; ++place) {
+        const CutChoice choice = choose(weights, double{place + 0.5f} / double{total});
+        REQUIRE(choice.place < weights.size);
+        CHECK(choice.within >= 0.0);
+        CHECK(choice.within < 1.0);
+        chosen[choice.place] += 1.0f;
+    }
+    for (std::uint32_t i = 0; i < weights.size; ++i) CHECK(chosen[i] == weights.of[i]);
+}
+
 }  // namespace lightcull
