@@ -91,11 +91,10 @@ py::object converted(const py::handle& array, const char* name, const ArraySpec&
     const std::string kind = py::str(dtype.attr("kind"));
     const bool is_real = kind == "f" || kind == "i" || kind == "u";
     if (!same && (is_record(spec.dtype) || !is_real)) throw_type_error(array, name, spec);
-    const py::object quiet = numpy.attr("errstate")(py::arg("all") = "ignore");
-    quiet.attr("__enter__")();
-    const py::object copy =
-        numpy.attr("array")(array, py::arg("dtype") = spec.dtype, py::arg("order") = "C");
-    quiet.attr("__exit__")(py::none(), py::none(), py::none());
+    // Numbers that are lost are told of below, and not by a warning.
+    const py::object convert =
+        numpy.attr("errstate")(py::arg("all") = "ignore")(numpy.attr("array"));
+    const py::object copy = convert(array, py::arg("dtype") = spec.dtype, py::arg("order") = "C");
     if (!same) check_conversion(array, copy, name);
     return copy;
 }

@@ -244,6 +244,21 @@ TEXTURE = """
 """
 
 
+def write_glowing_square(folder: Path, image: str, interpolation: str) -> Path:
+    """A square that emits what an image shows."""
+    glow = material(
+        "glow",
+        "color3f inputs:emissiveColor.connect = </glow/image.outputs:rgb>",
+        TEXTURE.format(file=image, name="glow"),
+    )
+    corners = "[(0, 0), (1, 0), (1, 1), (0, 1)]"
+    values = (
+        "rel material:binding = </glow>\n"
+        f'texCoord2f[] primvars:st = {corners} (interpolation = "{interpolation}")'
+    )
+    return write(folder, SQUARE.format(values=values), glow)
+
+
 def seen_from_the_front(scene: lightcull.Scene, **options: int) -> np.ndarray:
     scene.set_camera((0, 0, 2), (0, 0, 0), vertical_fov=1.0)
     return look(scene, **options)
@@ -253,16 +268,7 @@ def test_a_material_that_emits_a_texture(tmp_path: Path) -> None:
     pixels = np.zeros((16, 32, 3), np.uint8)
     pixels[:, :16, 0] = pixels[:, 16:, 1] = 255
     Image.fromarray(pixels).save(tmp_path / "halves.png")
-    glow = material(
-        "glow",
-        "color3f inputs:emissiveColor.connect = </glow/image.outputs:rgb>",
-        TEXTURE.format(file="halves.png", name="glow"),
-    )
-    values = (
-        "rel material:binding = </glow>\n"
-        "texCoord2f[] primvars:st = [(0, 0), (1, 0), (1, 1), (0, 1)] (interpolation = \"faceVarying\")"
-    )
-    path = write(tmp_path, SQUARE.format(values=values), glow)
+    path = write_glowing_square(tmp_path, "halves.png", "faceVarying")
     assert "left out" not in warning_of(path)
     image = seen_from_the_front(load(path))
     # It is moved by half.
@@ -347,16 +353,7 @@ def test_a_package_with_its_texture(tmp_path: Path) -> None:
     from pxr import Sdf, UsdUtils
 
     Image.new("RGB", (4, 4), (255, 0, 0)).save(tmp_path / "red.png")
-    glow = material(
-        "glow",
-        "color3f inputs:emissiveColor.connect = </glow/image.outputs:rgb>",
-        TEXTURE.format(file="red.png", name="glow"),
-    )
-    values = (
-        "rel material:binding = </glow>\n"
-        "texCoord2f[] primvars:st = [(0, 0), (1, 0), (1, 1), (0, 1)] (interpolation = \"vertex\")"
-    )
-    path = write(tmp_path, SQUARE.format(values=values), glow)
+    path = write_glowing_square(tmp_path, "red.png", "vertex")
     UsdUtils.CreateNewUsdzPackage(Sdf.AssetPath(str(path)), str(tmp_path / "a.usdz"))
     (tmp_path / "red.png").unlink()
     np.testing.assert_allclose(

@@ -184,29 +184,33 @@ bool is_far(const MeansNode& node, std::size_t i, const CutPlace& place) noexcep
     return facing + root > 2.0f * least * length(normal);
 }
 
-/// Gives each cluster of a cut its place: near ones first, those next to the cell where they do
-/// not fill their blocks.
-void find_places(const LightBvh<MeansNode>& bvh, const CutPlace& place, ClusterCut& cut) noexcept {
-    const GivenToPlace given(bvh, place);
+/// Gives each cluster of a cut its place: near ones first, with those next to the cell where they
+/// do not fill their blocks. Sets far_scale as it is where `scale` is 1.
+void find_places(const LightBvh<MeansNode>& bvh, const CutPlace& place, const GivenToPlace& given,
+                 ClusterCut& cut) noexcept {
+    float by_cosine[ClusterCut::kMaxSize];  // of clusters that may be far; 0: others
     std::array<std::pair<float, std::uint8_t>, ClusterCut::kMaxSize> order;
     std::uint32_t near = 0;
     for (std::uint32_t i = 0; i < cut.size; ++i) {
         const std::uint32_t n = cut.slot[i] / kWidth, child = cut.slot[i] % kWidth;
         const MeansNode& node = bvh.nodes[n];
         // What a single light gives is known exactly.
-        const bool far = !is_light(node.child[child]) && is_far(node, child, place) &&
-                         given.by_cosine(n, child) > 0.0f;
+        const bool may_be = !is_light(node.child[child]) && is_far(node, child, place);
+        by_cosine[i] = may_be ? given.by_cosine(n, child) : 0.0f;
+        const bool far = by_cosine[i] > 0.0f;
         near += far ? 0 : 1;
         const float3 way = center_of(node, child) - place.position;
         order[i] = {far ? dot(way, way) : 0.0f, static_cast<std::uint8_t>(i)};
     }
     std::sort(order.begin(), order.begin() + cut.size);
-    for (std::uint32_t at = 0; at < cut.size; ++at) {
-        cut.cluster_at[at] = order[at].second;
-        cut.place_of[order[at].second] = static_cast<std::uint8_t>(at);
-    }
     constexpr std::uint32_t kBlock = ClusterCut::kBlock;
     cut.near_size = (near + kBlock - 1) / kBlock * kBlock;
+    for (std::uint32_t at = 0; at < cut.size; ++at) {
+        const std::uint8_t cluster = order[at].second;
+        cut.cluster_at[at] = cluster;
+        cut.place_of[cluster] = static_cast<std::uint8_t>(at);
+        cut.far_scale[at] = at < cut.near_size ? 0.0f : by_cosine[cluster];
+    }
 }
 
 class CutBuilder {
@@ -346,7 +350,7 @@ void refresh_cut(const LightBvh<MeansNode>& bvh, const CutPlace& place, ClusterC
     constexpr int kDepth = 2;
     constexpr float kLeast = 0.25f, kMost = 4.0f;
     const GivenToPlace given(bvh, place);
-    find_places(bvh, place, cut);
+    find_places(bvh, place, given, cut);
     for (std::uint32_t i = 0; i < cut.size; ++i) {
         const std::uint32_t n = cut.slot[i] / kWidth, child = cut.slot[i] % kWidth;
         const std::uint32_t at = cut.place_of[i];
@@ -354,7 +358,7 @@ void refresh_cut(const LightBvh<MeansNode>& bvh, const CutPlace& place, ClusterC
         const float own = is_light(cut.child[at]) ? 0.0f : given.by_child(n).of[child];
         const float judged = own > 0.0f ? given.by_parts(cut.child[at], own, kDepth) / own : 1.0f;
         cut.scale[at] = cut.visible[i] * std::clamp(judged, kLeast, kMost);
-        cut.far_scale[at] = at < cut.near_size ? 0.0f : cut.scale[at] * given.by_cosine(n, child);
+        cut.far_scale[at] *= cut.scale[at];
     }
 }
 
