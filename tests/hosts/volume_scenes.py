@@ -163,12 +163,14 @@ def nested() -> SceneDict:
 
 
 def all_kinds_of_emitters() -> SceneDict:
-    """Lamps, a point, a direction, and a sky, with glossy surfaces in fog."""
+    """Lamps, a point, a direction, and a sky, with glossy surfaces in fog. The point is not in the
+    fog, where the variance of its light has no bound.
+    """
     metal = {"type": "roughconductor", "alpha": 0.2}
     return room() | lamps(2) | {
         "metal": ball([0.8, 0.9, 0.5], 0.9, None, metal),
         "fog": box([-4, -0.5, -2.5], [4, 5, 3], fog(0.2)),
-        "point": {"type": "point", "position": [-2, 2, 1], "intensity": rgb(6, 5, 4)},
+        "point": {"type": "point", "position": [-5, 3, 1], "intensity": rgb(20, 18, 15)},
         "sun": {"type": "directional", "direction": [0.4, -1, -0.5], "irradiance": rgb(1, 1, 0.8)},
         "sky": {"type": "constant", "radiance": rgb(0.3)},
     }
@@ -195,3 +197,21 @@ def octahedra(centers: np.ndarray, radius: float, radiance: SceneDict) -> Any:
     parameters["faces"] = indices.astype(np.uint32).ravel()
     parameters.update()
     return mesh
+
+
+def lamps_behind_fog() -> SceneDict:
+    """Lamps in view, behind a ball of fog and beside it."""
+    shown = {
+        f"shown{i}": rectangle([x, 0, 0], 0.3, area(4, 4, 4))
+        | {"to_world": transform().translate([x, 1.2, -1]).scale(0.5)}
+        for i, x in enumerate((-0.2, 1.8))
+    }
+    return room() | shown | {"fog": ball([0, 1.2, 1.2], 0.8, fog(0.8))}
+
+
+def without_sampling_of_emitters() -> SceneDict:
+    """Fog that is lit by what the phase function finds."""
+    return room() | lamps(1) | {
+        "sky": {"type": "constant", "radiance": rgb(0.5)},
+        "fog": box([-4, -0.5, -2.5], [4, 5, 3], fog(0.4, sample_emitters=False)),
+    }

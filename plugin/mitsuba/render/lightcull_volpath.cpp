@@ -79,9 +79,8 @@ class LightcullVolpath final : public MonteCarloIntegrator<Float, Spectrum> {
 
   private:
     [[noreturn]] static void refuse_derivatives() {
-        with_errors_in_log<Float>([] {
-            Throw("lightcull_volpath has no derivatives: Mitsuba's prbvolpath has them");
-        });
+        with_errors_in_log<Float>(
+            [] { Throw("lightcull_volpath has no derivatives: Mitsuba's prbvolpath has them"); });
         std::abort();
     }
 

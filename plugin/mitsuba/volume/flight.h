@@ -5,12 +5,12 @@
 #include <mitsuba/render/sampler.h>
 
 #include <cstdint>
+#include <tuple>
 
 namespace mitsuba::culling {
 
-/// Flights through media: how far light goes until it meets something, by the channels that
-/// distances are sampled by. Each distance is sampled by a channel of its own, and weighted by the
-/// mean of the densities of all channels, in RGB; in spectral variants by the first wavelength.
+/// Flights through media: how far light goes until it meets something. Each distance is sampled by
+/// the extinction of a channel of its own, and weighted by the mean of the densities of all.
 template <typename Float, typename Spectrum>
 class Flight {
   public:
@@ -33,12 +33,19 @@ class Flight {
     /// it meets nothing.
     static MediumInteraction3f sample(const Ray3f& ray, const MediumPtr& medium, Sampler* sampler,
                                       const Mask& active) {
-        UInt32 channel(0);
-        if constexpr (is_rgb_v<Spectrum>) {
-            const Float random = sampler->next_1d(active);
-            channel = dr::minimum(UInt32(random * static_cast<float>(kChannels)), kChannels - 1u);
-        }
-        return medium->sample_interaction(ray, sampler->next_1d(active), channel, active);
+        MediumInteraction3f mei = point(ray, 0.0f, medium);
+        mei.combined_extinction = medium->get_majorant(mei, active);
+        const Float majorant = any_of(mei.combined_extinction, sampler->next_1d(active));
+        const auto [meets, near, far] = medium->intersect_aabb(ray);
+        const Mask inside = active && meets && (dr::isfinite(near) || dr::isfinite(far));
+        mei.mint = dr::select(inside, dr::maximum(near, 0.0f), 0.0f);
+        const Float t = mei.mint - dr::log(1.0f - sampler->next_1d(active)) / majorant;
+        const Mask valid = inside && t <= dr::minimum(ray.maxt, far);
+        mei.t = dr::select(valid, t, dr::Infinity<Float>);
+        mei.p = ray(t);
+        std::tie(mei.sigma_s, mei.sigma_n, mei.sigma_t) =
+            medium->get_scattering_coefficients(mei, valid);
+        return mei;
     }
 
     /// The weight of a sampled flight that ends at `t`, by meeting the medium or not: transmittance
@@ -49,8 +56,7 @@ class Flight {
         const Spectrum& extinction = mei.combined_extinction;
         const Spectrum transmittance = dr::exp(-length * (extinction - dr::min(extinction)));
         const Spectrum density = dr::select(meets, transmittance * extinction, transmittance);
-        Float pdf = density[0];
-        if constexpr (is_rgb_v<Spectrum>) pdf = dr::mean(density);
+        const Float pdf = dr::mean(density);
         return dr::select(pdf > 0.0f, transmittance / pdf, 0.0f);
     }
 
@@ -63,7 +69,16 @@ class Flight {
     }
 
   private:
-    static constexpr std::uint32_t kChannels = dr::size_v<Spectrum>;
+    /// One of the channels, by a number in [0, 1).
+    static Float any_of(const Spectrum& spectrum, const Float& random) {
+        constexpr std::uint32_t kChannels = dr::size_v<Spectrum>;
+        Float any = spectrum[0];
+        for (std::uint32_t i = 1; i < kChannels; ++i) {
+            dr::masked(any, random * static_cast<float>(kChannels) >= static_cast<float>(i)) =
+                spectrum[i];
+        }
+        return any;
+    }
 };
 
 }  // namespace mitsuba::culling

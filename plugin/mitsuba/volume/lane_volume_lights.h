@@ -38,8 +38,7 @@ class LaneVolumeLights {
     }
 
     /// Samples one of the emitters without a place. There must be one.
-    Sample sample_unplaced(const Interaction3f& point, Sampler* sampler,
-                           const Mask& active) const {
+    Sample sample_unplaced(const Interaction3f& point, Sampler* sampler, const Mask& active) const {
         const Float random =
             tables_.has_several_unplaced() ? sampler->next_1d(active) : Float(0.0f);
         return lights_.sample_unplaced(point, random, sampler->next_2d(active), active);

@@ -3,8 +3,8 @@
 #include <mitsuba/core/warp.h>
 #include <mitsuba/render/sampler.h>
 
-#include "scene/light_sample.h"
 #include "paths/path_context.h"
+#include "scene/light_sample.h"
 #include "scene/surface_receiver.h"
 #include "scene/triangle_pdf.h"
 #include "scene/triangle_point.h"
@@ -71,12 +71,11 @@ class ScalarVolumeLights {
             return prob > 0.0f ? prob * emitter->pdf_direction(point, ds) : 0.0f;
         }
         const std::uint32_t light = source->first + (source->mesh ? hit.prim_index : 0);
-        const Float prob = has_choice() ? context_.light_sampler->prob(
-                                              shading_point(point.p, receiver), {}, light)
-                                        : 1.0f;
+        const Float prob =
+            has_choice() ? context_.light_sampler->prob(shading_point(point.p, receiver), {}, light)
+                         : 1.0f;
         if (!source->mesh) return prob * emitter->pdf_direction(point, ds);
-        return prob *
-               triangle_pdf(context_.lights->triangles()[light].area, hit.n, ds.d, ds.dist);
+        return prob * triangle_pdf(context_.lights->triangles()[light].area, hit.n, ds.d, ds.dist);
     }
 
   private:
@@ -124,7 +123,7 @@ class ScalarVolumeLights {
     Sample sample_whole(const Interaction3f& point, const Emitter* emitter, const Point2f& random,
                         Float prob, Float mis_prob) const {
         const auto [ds, weight] = emitter->sample_direction(point, random);
-        return {ds.p,  ds.d, weight / prob, mis_prob * ds.pdf, ds.delta, ds.pdf > 0.0f};
+        return {ds.p, ds.d, weight / prob, mis_prob * ds.pdf, ds.delta, ds.pdf > 0.0f};
     }
 
     const PathContext<Float, Spectrum>& context_;

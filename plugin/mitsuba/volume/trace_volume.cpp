@@ -151,13 +151,11 @@ class VolumeStep {
                 const MediumInteraction3f mei =
                     Flights::sample(rest, medium, state.sampler, state.active);
                 const Mask meets = state.active && mei.is_valid();
-                Spectrum weight =
-                    Flights::weight(mei, dr::select(meets, mei.t, rest.maxt), meets);
+                Spectrum weight = Flights::weight(mei, dr::select(meets, mei.t, rest.maxt), meets);
                 const Float null_prob = dr::mean(mei.sigma_n / mei.combined_extinction);
                 const Mask is_null = state.sampler->next_1d(state.active) < null_prob;
-                dr::masked(weight, meets) =
-                    weight * dr::select(is_null, mei.sigma_n / null_prob,
-                                        mei.sigma_s / (1.0f - null_prob));
+                dr::masked(weight, meets) = weight * dr::select(is_null, mei.sigma_n / null_prob,
+                                                                mei.sigma_s / (1.0f - null_prob));
                 dr::masked(state.throughput, state.active) = state.throughput * weight;
                 dr::masked(state.t, meets) = state.t + mei.t;
                 state.scatters |= meets && !is_null;
@@ -256,8 +254,8 @@ class VolumeStep {
         Float pdf = 0.0f;
         const Mask surface = sample.active && at.smooth, medium = sample.active && at.in_medium;
         if (dr::any_or<true>(surface)) {
-            std::tie(value, pdf) = at.bsdf->eval_pdf(
-                BSDFContext(), at.si, at.si.to_local(sample.direction), surface);
+            std::tie(value, pdf) =
+                at.bsdf->eval_pdf(BSDFContext(), at.si, at.si.to_local(sample.direction), surface);
         }
         if (dr::any_or<true>(medium)) {
             const auto [phase_value, phase_pdf] = at.phase->eval_pdf(
@@ -310,9 +308,8 @@ class VolumeStep {
         if (dr::any_or<true>(at.in_medium)) {
             const Float random_1 = paths.sampler->next_1d(at.in_medium);
             const Point2f random_2 = paths.sampler->next_2d(at.in_medium);
-            const auto [direction, weight, pdf] =
-                at.phase->sample(PhaseFunctionContext(paths.sampler), at.mei, random_1, random_2,
-                                 at.in_medium);
+            const auto [direction, weight, pdf] = at.phase->sample(
+                PhaseFunctionContext(paths.sampler), at.mei, random_1, random_2, at.in_medium);
             dr::masked(paths.throughput, at.in_medium) = paths.throughput * weight;
             dr::masked(paths.ray, at.in_medium) = at.mei.spawn_ray(direction);
             dr::masked(paths.pdf, at.in_medium) = pdf;
@@ -368,10 +365,10 @@ std::pair<Spectrum, dr::mask_t<Float>> trace_volume(
     return {dr::select(paths.valid, paths.result, 0.0f), paths.valid};
 }
 
-#define INSTANTIATE(Float, Spectrum)                                                      \
-    template std::pair<Spectrum, dr::mask_t<Float>> trace_volume<Float, Spectrum>(        \
-        const PathContext<Float, Spectrum>&, const VolumeLights<Float, Spectrum>&,        \
-        const Medium<Float, Spectrum>*, Sampler<Float, Spectrum>*,                        \
+#define INSTANTIATE(Float, Spectrum)                                               \
+    template std::pair<Spectrum, dr::mask_t<Float>> trace_volume<Float, Spectrum>( \
+        const PathContext<Float, Spectrum>&, const VolumeLights<Float, Spectrum>&, \
+        const Medium<Float, Spectrum>*, Sampler<Float, Spectrum>*,                 \
         const RayDifferential<Point<Float, 3>, Spectrum>&, const dr::mask_t<Float>&);
 LIGHTCULL_VARIANTS(INSTANTIATE)
 

@@ -11,8 +11,7 @@ namespace mitsuba::culling {
 
 /// What chooses and samples lights for points in media and on surfaces.
 template <typename Float, typename Spectrum>
-using VolumeLights =
-    std::conditional_t<drjit::is_jit_v<Float>, LaneVolumeLights<Float, Spectrum>,
-                       ScalarVolumeLights<Float, Spectrum>>;
+using VolumeLights = std::conditional_t<drjit::is_jit_v<Float>, LaneVolumeLights<Float, Spectrum>,
+                                        ScalarVolumeLights<Float, Spectrum>>;
 
 }  // namespace mitsuba::culling
