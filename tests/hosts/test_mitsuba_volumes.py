@@ -39,7 +39,7 @@ SCALAR_AND_LLVM = ("scalar_rgb", "llvm_ad_rgb")
 KINDS = {
     "in fog": Kind(scenes.in_fog),
     "box of fog": Kind(scenes.in_a_box_of_fog),
-    "box of smoke": Kind(scenes.in_a_box_of_smoke),
+    "box of smoke": Kind(scenes.in_a_box_of_smoke, ("scalar_rgb", "llvm_ad_spectral")),
     # volpath samples distances by one wavelength alone, and has variance without bounds here.
     "colored fog": Kind(
         scenes.colored_fog,
@@ -47,7 +47,7 @@ KINDS = {
         twin=1.15,
         reference="volpathmis",
     ),
-    "colored smoke": Kind(scenes.colored_smoke, ("scalar_rgb", "llvm_ad_spectral")),
+    "colored smoke": Kind(scenes.colored_smoke),
     "emitter inside": Kind(scenes.lamp_in_a_ball_of_fog, twin=1.15),
     "spot into rough glass": Kind(scenes.spot_into_rough_glass, SCALAR_AND_LLVM, 256, twin=1.5),
     "under a sky": Kind(scenes.under_a_sky, SCALAR_AND_LLVM),
@@ -61,9 +61,14 @@ KINDS = {
 }
 
 
-def render_blocks(scene: Any, kind: str, spp: int, options: dict[str, Any], seed: int) -> np.ndarray:
+def render_blocks(
+    scene: Any, kind: str, spp: int, options: dict[str, Any], seed: int, within: str | None = None
+) -> np.ndarray:
     """Means of blocks, and of all, of independent renders: (renders, blocks + 1, channels)."""
-    integrator = mi.load_dict({"type": kind, **options})
+    properties = {"type": kind, **options}
+    if within is not None:
+        properties = {"type": within, "aovs": "albedo:albedo", "inner": properties}
+    integrator = mi.load_dict(properties)
     renders = []
     for i in range(RENDERS):
         image = np.array(mi.render(scene, integrator=integrator, spp=spp, seed=seed + i))[..., :3]
@@ -88,3 +93,58 @@ def test_mean_is_that_of_volpath(kind: Kind, variant: str) -> None:
     limit = threshold(expected[0].size)
     assert largest_z(expected, found) < limit
     assert largest_z(expected, kind.twin * found) > limit, "the test could not see a bias"
+
+
+@pytest.mark.parametrize("variant", SCALAR_AND_LLVM)
+def test_lamps_just_outside_of_fog_lose_no_light(variant: str) -> None:
+    """Shadow rays of `volpath` lose a tenth of it, since they hit the lamp: so it is told to find the
+    lamp by the phase function alone.
+    """
+    mi.set_variant(variant)
+    options = {"max_depth": 2}
+    found_by_phase = mi.load_dict(scenes.lamp_just_outside(sample_emitters=False))
+    expected = render_blocks(found_by_phase, "volpath", 512, options, 0)
+    scene = mi.load_dict(scenes.lamp_just_outside())
+    limit = threshold(expected[0].size)
+    assert largest_z(expected, render_blocks(scene, "lightcull_volpath", 64, options, 1000)) < limit
+    lossy = render_blocks(scene, "volpath", 64, options, 1000)
+    assert largest_z(expected, lossy) > limit, "the test could not see what is lost"
+
+
+@pytest.mark.parametrize("variant", SCALAR_AND_LLVM)
+def test_within_aov(variant: str) -> None:
+    mi.set_variant(variant)
+    scene = mi.load_dict(scenes.in_a_box_of_fog())
+    expected = render_blocks(scene, "volpath", 32, DEPTH, 0)
+    found = render_blocks(scene, "lightcull_volpath", 32, DEPTH, 1000, within="aov")
+    assert largest_z(expected, found) < threshold(expected[0].size)
+
+
+def test_derivatives_are_refused(capfd: pytest.CaptureFixture[str]) -> None:
+    import drjit as dr
+
+    mi.set_variant("llvm_ad_rgb")
+    scene = mi.load_dict(scenes.in_fog())
+    parameters = mi.traverse(scene)
+    key = "lamp0.emitter.radiance.value"
+    dr.enable_grad(parameters[key])
+    integrator = mi.load_dict({"type": "lightcull_volpath", **DEPTH})
+    image = mi.render(scene, parameters, integrator=integrator, spp=1)
+    with pytest.raises(RuntimeError):
+        dr.backward(dr.mean(image, axis=None))
+    said = [line for line in "".join(capfd.readouterr()).splitlines() if "derivatives" in line]
+    assert said and "lightcull_volpath has no derivatives" in said[0] and "prbvolpath" in said[0]
+
+
+def test_other_variants_are_refused_by_name() -> None:
+    mi.set_variant("llvm_ad_mono")
+    with pytest.raises(RuntimeError, match="lightcull_volpath renders in the variants"):
+        mi.load_dict({"type": "lightcull_volpath"})
+
+
+@pytest.mark.parametrize("variant", SCALAR_AND_LLVM)
+def test_no_path_of_depth_0_has_light(variant: str) -> None:
+    mi.set_variant(variant)
+    scene = mi.load_dict(scenes.lamps_behind_fog())
+    integrator = mi.load_dict({"type": "lightcull_volpath", "max_depth": 0})
+    assert not np.array(mi.render(scene, integrator=integrator, spp=1)).any()

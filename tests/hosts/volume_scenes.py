@@ -215,3 +215,11 @@ def without_sampling_of_emitters() -> SceneDict:
         "sky": {"type": "constant", "radiance": rgb(0.5)},
         "fog": box([-4, -0.5, -2.5], [4, 5, 3], fog(0.4, sample_emitters=False)),
     }
+
+
+def lamp_just_outside(**options: Any) -> SceneDict:
+    """Fog that is lit by a lamp a few centimetres from its boundary."""
+    seen = room()
+    fog_box = box([-1.2, 0.2, -1], [1.2, 2, 1], fog(0.8, **options))
+    lamp = rectangle([0, 2.02, 0], 0.5, area(9, 8, 7))
+    return {name: seen[name] for name in ("type", "sensor")} | {"fog": fog_box, "lamp": lamp}
