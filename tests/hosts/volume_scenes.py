@@ -223,3 +223,22 @@ def lamp_just_outside(**options: Any) -> SceneDict:
     fog_box = box([-1.2, 0.2, -1], [1.2, 2, 1], fog(0.8, **options))
     lamp = rectangle([0, 2.02, 0], 0.5, area(9, 8, 7))
     return {name: seen[name] for name in ("type", "sensor")} | {"fog": fog_box, "lamp": lamp}
+
+
+def street(size: tuple[int, int] = SIZE) -> SceneDict:
+    """10,000 bulbs of 4 cm on both sides of 200 m of road, in fog of a mean free path of 20 m."""
+    random = np.random.default_rng(5)
+    side = np.where(random.uniform(size=10_000) < 0.5, -4, 4)
+    places = np.stack(
+        [
+            side + random.normal(0, 0.3, 10_000),
+            random.uniform(2, 4, 10_000),
+            random.uniform(-200, 5, 10_000),
+        ],
+        axis=1,
+    )
+    scene = room(fog(0.05))
+    scene["sensor"]["film"] |= {"width": size[0], "height": size[1]}
+    scene["floor"]["to_world"] = transform().translate([0, 0, -100]).rotate([1, 0, 0], -90).scale([8, 120, 1])
+    del scene["wall"]
+    return scene | {"bulbs": octahedra(places, 0.02, rgb(40, 34, 26))}

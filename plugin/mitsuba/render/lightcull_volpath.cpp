@@ -13,6 +13,7 @@
 #include "scene/many_shapes_warning.h"
 #include "scene/scene_lights.h"
 #include "scene/surface_receiver.h"
+#include "volume/scene_media.h"
 #include "volume/trace_volume.h"
 
 namespace mitsuba::culling {
@@ -50,9 +51,14 @@ class LightcullVolpath final : public MonteCarloIntegrator<Float, Spectrum> {
 
     TensorXf render(Scene* scene, Sensor* sensor, UInt32 seed, std::uint32_t spp, bool develop,
                     bool evaluate) override {
-        if constexpr (dr::is_jit_v<Float>) warn_of_many_shapes(scene);
-        const dr::suspend_grad<Float> no_derivatives;
-        return Base::render(scene, sensor, seed, spp, develop, evaluate);
+        if constexpr (dr::is_jit_v<Float>) {
+            warn_of_many_shapes(scene);
+            const dr::suspend_grad<Float> no_derivatives;
+            return Base::render(scene, sensor, seed, spp, develop, evaluate);
+        } else {
+            const auto known = caller_lights_.hold(scene);
+            return Base::render(scene, sensor, seed, spp, develop, evaluate);
+        }
     }
 
     std::pair<Spectrum, Mask> sample(const Scene* scene, Sampler* sampler,
@@ -104,15 +110,16 @@ class LightcullVolpath final : public MonteCarloIntegrator<Float, Spectrum> {
             const SceneLights<Float, Spectrum> lights(scene);
             const auto paths = context(scene, lights, has_glossy_surfaces(scene));
             const LoopLights<Float, Spectrum> loop(scene, lights, paths.has_lobes);
-            return trace_volume(paths, {paths, loop.tables, loop.bvh}, medium, sampler, ray,
-                                active);
+            return trace_volume(paths, {paths, loop.tables, loop.bvh}, SceneMedia(scene), medium,
+                                sampler, ray, active);
         } else {
             if (!active) return {0.0f, false};
-            const auto& known = caller_lights_.of(scene, sampler);
+            const auto held = caller_lights_.held(scene);
+            const auto& known = held ? *held : caller_lights_.of(scene, sampler);
             auto path = context(scene, known.lights, known.has_lobes);
             path.light_sampler = &known.light_sampler->sampler();
-            return trace_volume(path, VolumeLights<Float, Spectrum>(path), medium, sampler, ray,
-                                active);
+            return trace_volume(path, VolumeLights<Float, Spectrum>(path), known.media, medium,
+                                sampler, ray, active);
         }
     }
 

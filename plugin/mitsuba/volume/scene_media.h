@@ -13,10 +13,8 @@ struct SceneMedia {
     bool heterogeneous = false;
     bool see_through = false;  ///< a surface lets light straight through
 
-    /// `initial`: the medium that the camera is in; null: none.
-    template <typename Scene, typename Medium>
-    SceneMedia(const Scene* scene, const Medium* initial) {
-        add(initial);
+    template <typename Scene>
+    explicit SceneMedia(const Scene* scene) {
         for (const auto& shape : scene->shapes()) {
             if (shape->is_instance()) {
                 // What it is an instance of does not show.
@@ -31,7 +29,7 @@ struct SceneMedia {
         }
     }
 
-  private:
+    /// Adds a medium that a camera is in; null: it is in none.
     template <typename Medium>
     void add(const Medium* medium) {
         if (medium) (medium->is_homogeneous() ? homogeneous : heterogeneous) = true;

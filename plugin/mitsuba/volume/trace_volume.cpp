@@ -353,10 +353,10 @@ class VolumeStep {
 template <typename Float, typename Spectrum>
 std::pair<Spectrum, dr::mask_t<Float>> trace_volume(
     const PathContext<Float, Spectrum>& context, const VolumeLights<Float, Spectrum>& lights,
-    const Medium<Float, Spectrum>* medium, Sampler<Float, Spectrum>* sampler,
+    SceneMedia media, const Medium<Float, Spectrum>* medium, Sampler<Float, Spectrum>* sampler,
     const RayDifferential<Point<Float, 3>, Spectrum>& rays, const dr::mask_t<Float>& active) {
     using State = VolumeState<Float, Spectrum>;
-    const SceneMedia media(context.scene, medium);
+    media.add(medium);
     const VolumeStep<Float, Spectrum> step(context, lights, media);
     State paths = step.start(rays, medium, sampler, active);
     dr::tie(paths) = dr::while_loop(
@@ -365,10 +365,10 @@ std::pair<Spectrum, dr::mask_t<Float>> trace_volume(
     return {dr::select(paths.valid, paths.result, 0.0f), paths.valid};
 }
 
-#define INSTANTIATE(Float, Spectrum)                                               \
-    template std::pair<Spectrum, dr::mask_t<Float>> trace_volume<Float, Spectrum>( \
-        const PathContext<Float, Spectrum>&, const VolumeLights<Float, Spectrum>&, \
-        const Medium<Float, Spectrum>*, Sampler<Float, Spectrum>*,                 \
+#define INSTANTIATE(Float, Spectrum)                                                           \
+    template std::pair<Spectrum, dr::mask_t<Float>> trace_volume<Float, Spectrum>(             \
+        const PathContext<Float, Spectrum>&, const VolumeLights<Float, Spectrum>&, SceneMedia, \
+        const Medium<Float, Spectrum>*, Sampler<Float, Spectrum>*,                             \
         const RayDifferential<Point<Float, 3>, Spectrum>&, const dr::mask_t<Float>&);
 LIGHTCULL_VARIANTS(INSTANTIATE)
 
