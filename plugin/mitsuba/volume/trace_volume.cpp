@@ -9,7 +9,7 @@
 #include "scene/surface_receiver.h"
 #include "volume/flight.h"
 #include "volume/scene_media.h"
-#include "volume/shadow_rays.h"
+#include "volume/shadow_transmittance.h"
 
 namespace mitsuba::culling {
 namespace {
