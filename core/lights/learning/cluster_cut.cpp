@@ -46,7 +46,7 @@ CutChoice choose(const ClusterCut& cut, const CutWeights& weights, double number
         at += half * static_cast<std::size_t>(second);
     }
     const std::size_t run = cut.run[at], part = run / kStride;
-    const std::size_t bounds[] = {0, cut.near_size, weights.size};
+    const std::size_t bounds[] = {0, weights.near_size, weights.size};
     const std::size_t top = bounds[part] + run % kStride;
     double before[CutWeights::kMaxSize / kStride];
     double sum = 0.0;

@@ -51,14 +51,15 @@ struct alignas(64) CutWeights {
 
     float of[kMaxSize];  ///< weights: first by place in the cut, from first_opened on by place in
                          ///< the opened nodes; 0 for a cluster that was opened, and between
-    /// A run is every kStride-th place from one of the first on, of the near clusters (runs 0 to
-    /// kStride - 1) or of the others. At first their sums, in the order of ClusterCut::run; then,
-    /// in turn, as many sums of the i-th of these and the i-th of their second half, to the last,
-    /// of all.
+    /// A run is every kStride-th place from one of the first on, of what was weighed as near (runs
+    /// 0 to kStride - 1) or of the others. At first their sums, in the order of ClusterCut::run;
+    /// then, in turn, as many sums of the i-th of these and the i-th of their second half, to the
+    /// last, of all.
     float sums[2 * kRuns];
-    std::uint32_t size;                ///< number of places
-    std::uint32_t first_opened;        ///< place of the first child of the first opened node
-    std::uint32_t opened_count;        ///< number of opened nodes
+    std::uint32_t size;          ///< number of places
+    std::uint32_t near_size;     ///< number of places of clusters that were weighed as near ones
+    std::uint32_t first_opened;  ///< place of the first child of the first opened node
+    std::uint32_t opened_count;  ///< number of opened nodes
     std::uint32_t opened[kMaxOpened];  ///< opened nodes of the tree
 
     float total() const noexcept { return sums[2 * kRuns - 2]; }

@@ -155,7 +155,7 @@ HWY_ATTR inline void open_blurred(const LightBvh<MeansNode>& bvh, const ClusterC
 HWY_ATTR inline void sum(const ClusterCut& cut, CutWeights& weights) {
     const Tag d;
     RunSums runs;
-    const std::size_t bounds[] = {0, cut.near_size, weights.size};
+    const std::size_t bounds[] = {0, weights.near_size, weights.size};
     for (std::size_t part = 0; part < 2; ++part) {
         for (std::size_t column = 0; column < kStride; column += hn::Lanes(d)) {
             auto sum = hn::Zero(d);
@@ -191,10 +191,10 @@ HWY_ATTR inline void weigh(const LightBvh<MeansNode>& bvh, const ClusterCut& cut
     weights.size = static_cast<std::uint32_t>((cut.size + kStride - 1) / kStride * kStride);
     weights.first_opened = weights.size;
     weights.opened_count = 0;
+    weights.near_size = is_near_all(receiver) ? weights.size : cut.near_size;
     if (receiver.has_lobe()) return weigh_lobe(bvh, cut, receiver, weights);
     const Tag d;
     const std::size_t lanes = hn::Lanes(d);
-    const bool near_all = is_near_all(receiver);
     RunSums runs;
     for (std::size_t column = 0; column < kStride; column += lanes) {
         auto sum = hn::Zero(d);
@@ -203,13 +203,10 @@ HWY_ATTR inline void weigh(const LightBvh<MeansNode>& bvh, const ClusterCut& cut
             sum = hn::Add(sum, w);
         };
         std::size_t i = column;
-        for (; i < cut.near_size; i += kStride) add(i, weights_at(cut, i, receiver, nullptr));
+        for (; i < weights.near_size; i += kStride) add(i, weights_at(cut, i, receiver, nullptr));
         hn::Store(sum, d, runs.of + column);
         sum = hn::Zero(d);
-        for (; i < weights.size; i += kStride) {
-            add(i, near_all ? weights_at(cut, i, receiver, nullptr)
-                            : far_weights_at(cut, i, receiver));
-        }
+        for (; i < weights.size; i += kStride) add(i, far_weights_at(cut, i, receiver));
         hn::Store(sum, d, runs.of + kStride + column);
     }
     add_up(cut, runs, weights);

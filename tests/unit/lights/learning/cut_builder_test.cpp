@@ -76,7 +76,7 @@ void add_up(const ClusterCut& cut, CutWeights& weights) {
     constexpr std::uint32_t kStride = CutWeights::kStride, kRuns = CutWeights::kRuns;
     float of_runs[kRuns] = {};
     for (std::uint32_t i = 0; i < weights.size; ++i) {
-        of_runs[(i < cut.near_size ? 0 : kStride) + i % kStride] += weights.of[i];
+        of_runs[(i < weights.near_size ? 0 : kStride) + i % kStride] += weights.of[i];
     }
     for (std::uint32_t i = 0; i < kRuns; ++i) weights.sums[i] = of_runs[cut.run[i]];
     for (std::size_t from = 0, half = kRuns / 2; half > 0; half /= 2) {
@@ -185,6 +185,7 @@ TEST_CASE("a cut's places hold each cluster once, near ones first") {
     CutWeights weights{};
     weights.size = weights.first_opened =
         (cut.size + ClusterCut::kBlock - 1) / ClusterCut::kBlock * ClusterCut::kBlock;
+    weights.near_size = cut.near_size;
     for (std::uint32_t i = 0; i < cut.size; ++i) weights.of[i] = 1.0f;
     add_up(cut, weights);
     constexpr int kLongestRun = ClusterCut::kMaxSize / ClusterCut::kBlock;
@@ -211,7 +212,7 @@ TEST_CASE("a choice out of a cut falls on each place as often as its weight says
         cut.run[i] = static_cast<std::uint8_t>(7 * i % CutWeights::kRuns);
     }
     CutWeights weights{};
-    cut.near_size = 48;
+    weights.near_size = 48;
     weights.first_opened = 112;
     weights.opened_count = 1;
     weights.size = weights.first_opened + CutWeights::kWidth;
