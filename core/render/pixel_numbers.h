@@ -4,6 +4,8 @@
 #include "base/sobol.h"
 #include "render/vec.h"
 
+#include <lightcull/render/renderer.h>
+
 #include <cstdint>
 
 namespace lightcull {
@@ -67,5 +69,11 @@ class PixelNumbers {
     std::uint64_t key_;
     const SobolIndex& pass_;
 };
+
+/// The key of the numbers of a pass of an image.
+inline std::uint64_t numbers_key(const RenderSettings& settings, std::uint64_t pass) noexcept {
+    constexpr std::uint64_t kForImages = 1;
+    return hash(settings.seed, kForImages, settings.even_numbers ? 0 : 1 + pass);
+}
 
 }  // namespace lightcull

@@ -32,8 +32,8 @@ double seconds_since(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// What the keys of PixelNumbers are hashed from beside the seed.
-constexpr std::uint64_t kForNumbers = 1, kForTrials = 2, kForTraining = 3;
+/// What other keys of PixelNumbers than numbers_key() are hashed from beside the seed and the pass.
+constexpr std::uint64_t kForTrials = 2, kForTraining = 3;
 
 /// The bytes that LightSampler::select() needs for a point meanwhile.
 constexpr std::size_t kSelectionScratch = 20;
@@ -146,7 +146,7 @@ Pass Renderer::Impl::pass_of(std::uint64_t number, const RenderSettings& how,
             vertex_culling(*sampler),
             number,
             hash(settings.seed, number),
-            hash(settings.seed, kForNumbers, settings.even_numbers ? 0 : 1 + number),
+            numbers_key(settings, number),
             cancel,
             pass_pixels.data(),
             pass_emission.empty() ? nullptr : pass_emission.data(),
