@@ -17,7 +17,8 @@ enum class Dimension : std::uint64_t {
     kLobe,         ///< choice between diffuse and specular
     kScatter,      ///< direction of the next ray
     kRoulette,
-    kLastRay,  ///< whether a path's last edge is traced
+    kLastRay,     ///< whether a path's last edge is traced
+    kLightPiece,  ///< piece of a light whose emission is uneven
 };
 
 /// The random numbers of one vertex of a path: a hash of (seed, pass, pixel, depth, dimension).

@@ -208,8 +208,9 @@ Wavefront::LightSample Wavefront::sample_light(std::size_t vertex,
     const Surface& surface = surfaces_[vertex];
     const Selection& selection = selections_[vertex];
     if (!(selection.prob > 0.0f)) return {};
-    const EmitterSample s = sample_emitter(pass_->scene, pass_->scene.emitters[selection.light],
-                                           surface.position, random.two(Dimension::kLightVertex));
+    const EmitterSample s =
+        sample_emitter(pass_->scene, pass_->scene.emitters[selection.light], surface.position,
+                       {random.fine(Dimension::kLightPiece), random.two(Dimension::kLightVertex)});
     if (!(s.pdf > 0.0f) || s.direction.dot(surface.normal) <= 0.0f) return {};
     const BsdfValue bsdf = surface.bsdf.evaluate(s.direction);
     const V3f value = path_of(vertex).throughput * bsdf.value * s.radiance;
