@@ -1,7 +1,6 @@
 #include <lightcull/triangle_cuts.h>
 
 #include "base/memory_size.h"
-#include "lights/parts/bisection.h"
 #include "lights/parts/triangle_cutter.h"
 
 #include <algorithm>
@@ -32,7 +31,8 @@ TriangleCuts::Piece TriangleCuts::draw(std::uint32_t part, double u) const noexc
         const auto share = static_cast<double>(node->share);
         const bool second = u >= share;
         const float prob = second ? 1.0f - node->share : node->share;
-        u = (second ? u - share : u) / static_cast<double>(prob);
+        constexpr double kBelowOne = 1.0 - 0x1p-53;
+        u = std::min((second ? u - share : u) / static_cast<double>(prob), kBelowOne);
         piece.prob *= prob;
         piece.corners = half_of(piece.corners, node->edge, second);
         node = &nodes_[node->first_child + (second ? 1 : 0)];

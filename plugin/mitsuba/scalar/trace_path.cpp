@@ -43,7 +43,7 @@ class ScalarPath {
         if (context_.hide_emitters) hit = behind_emitters(hit);
         while (true) {
             si_ = hit.compute_surface_interaction(ray_, +RayFlags::All);
-            add_emission();
+            add_emission(hit.prim_uv);
             if (depth_ + 1 >= context_.max_depth || !si_.is_valid()) {
                 valid_ |= si_.emitter(context_.scene) != nullptr && !context_.hide_emitters;
                 break;
@@ -66,27 +66,27 @@ class ScalarPath {
     }
 
     /// Adds the light of what the ray has hit, or of the environment.
-    void add_emission() {
+    void add_emission(const Point2f& prim_uv) {
         const Emitter* emitter = si_.emitter(context_.scene);
         if (!emitter || !(bsdf_pdf_ > 0.0f)) return;
         const Spectrum radiance = emitter->eval(si_);
-        const Float weight = weigh_ ? mis_weight(bsdf_pdf_, light_pdf(emitter)) : Float(1.0f);
+        const Float weight =
+            weigh_ ? mis_weight(bsdf_pdf_, light_pdf(emitter, prim_uv)) : Float(1.0f);
         result_ += throughput_ * radiance * weight;
     }
 
     /// The density with which the last vertex would have sampled what was hit as a light.
-    Float light_pdf(const Emitter* emitter) const {
+    Float light_pdf(const Emitter* emitter, const Point2f& prim_uv) const {
         const DirectionSample3f ds(context_.scene, si_, last_);
         const auto* source = context_.lights->find(emitter);
         if (!source) {
             const Float prob = context_.lights->unplaced_prob(emitter);
             return prob > 0.0f ? prob * emitter->pdf_direction(last_, ds) : 0.0f;
         }
-        const std::uint32_t light = source->first + (source->mesh ? si_.prim_index : 0);
-        const Float select_prob = prob(light);
-        if (!source->mesh) return select_prob * emitter->pdf_direction(last_, ds);
-        const Float area = context_.lights->triangles()[light].area;
-        return select_prob * triangle_pdf(area, si_.n, ds.d, ds.dist);
+        if (!source->mesh) return prob(source->first) * emitter->pdf_direction(last_, ds);
+        const auto [light, density] = context_.lights->places().find(source->first + si_.prim_index,
+                                                                     {prim_uv.x(), prim_uv.y()});
+        return prob(light) * triangle_pdf(density, si_.n, ds.d, ds.dist);
     }
 
     /// Adds direct light at si_, and scatters the path; false if it ends here.
@@ -161,24 +161,38 @@ class ScalarPath {
     Arrival add_triangle(const BSDF* bsdf,
                          const typename SceneLights<Float, Spectrum>::Source& source,
                          Float mis_prob) {
-        const auto& [a, b, c, area] = context_.lights->triangles()[selection_.light];
-        const Point2f uv = warp::square_to_uniform_triangle(sampler_->next_2d());
+        const auto& [index, corners] = context_.lights->triangles()[selection_.light];
+        const auto& [a, b, c] = corners;
+        const auto [place, density] = draw_place();
+        const Point2f uv(place.x, place.y);
         const Point3f p0(a.x, a.y, a.z), p1(b.x, b.y, b.z), p2(c.x, c.y, c.z);
         const Point3f p = p0 * (1.0f - uv.x() - uv.y()) + p1 * uv.x() + p2 * uv.y();
         const Vector3f way = p - si_.p;
         const Float distance = dr::norm(way);
         if (!(distance > 0.0f)) return {};
         const Vector3f direction = way / distance;
-        SurfaceInteraction3f at =
-            triangle_point<Float, Spectrum>(source.mesh, selection_.light - source.first, uv);
+        SurfaceInteraction3f at = triangle_point<Float, Spectrum>(source.mesh, index, uv);
         at.wi = at.to_local(-direction);
         at.wavelengths = ray_.wavelengths;
         at.time = ray_.time;
         const Spectrum radiance = source.emitter->eval(at);
-        const Float pdf = triangle_pdf(area, at.n, direction, distance);
+        const Float pdf = triangle_pdf(density, at.n, direction, distance);
         if (!std::isfinite(pdf) || dr::all(unpolarized_spectrum(radiance) == 0.0f)) return {};
         const Spectrum weight = radiance / (selection_.prob * pdf);
         return add_if_visible(bsdf, p, direction, weight, mis_prob * pdf, false);
+    }
+
+    /// Draws a place on the triangle, or the part of one, that was chosen.
+    TrianglePlaces::Place draw_place() {
+        const TrianglePlaces& places = context_.lights->places();
+        double of_piece = 0.0;
+        if (places.part(selection_.light) != TrianglePlaces::kNone) {
+            // The second number gives digits that the first does not have.
+            of_piece = static_cast<double>(sampler_->next_1d());
+            of_piece += 0x1p-24 * static_cast<double>(sampler_->next_1d());
+        }
+        const Point2f random = sampler_->next_2d();
+        return places.draw(selection_.light, of_piece, random.x(), random.y());
     }
 
     /// Adds light from an emitter that Mitsuba samples.

@@ -130,8 +130,9 @@ class Wavefront {
         emission_pdf_ = dr::select(unplaced, entry.prob, 1.0f) *
                         emitter->pdf_direction(paths_.last, ds, whole || unplaced);
         if (tables_.has_triangles()) {
-            dr::masked(emission_pdf_, triangle) =
-                triangle_pdf(tables_.area(hit_light_, triangle), si_.n, ds.d, ds.dist);
+            const auto place = tables_.find_place(hit_light_, hit_.prim_uv, triangle);
+            dr::masked(hit_light_, triangle) = place.light;
+            dr::masked(emission_pdf_, triangle) = triangle_pdf(place.density, si_.n, ds.d, ds.dist);
         }
         dr::masked(emission_pdf_, !(asks_ || unplaced)) = 0.0f;
     }
@@ -156,7 +157,7 @@ class Wavefront {
         }
         auto sample = dr::zeros<LightSample<Float, Spectrum>>();
         if (!context_.lights->lights().empty()) {
-            sample = lights_.sample_chosen(si_, chosen_, random_.next_2d(), smooth_);
+            sample = lights_.sample_chosen(si_, chosen_, lights_.draw_random(random_), smooth_);
         }
         const Float random_1 = random_.next_1d();
         const Point2f random_2 = random_.next_2d();
