@@ -8,7 +8,9 @@
 #include <drjit/util.h>
 #include <drjit/while_loop.h>
 #include <mitsuba/core/vector.h>
+#include <mitsuba/core/warp.h>
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -53,6 +55,8 @@ class CutTables {
         has_choice_ = piece_count_ > light_count;
         pieces_ = dr::load<Float>(loader.pieces.data(), loader.pieces.size());
         sums_ = dr::load<Double>(loader.sums.data(), loader.sums.size());
+        is_linear_ = loader.is_linear;
+        weights_ = dr::load<Float>(loader.weights.data(), loader.weights.size());
         links_ = dr::load<UInt32>(loader.links.data(), loader.links.size());
         roots_ = dr::load<UInt32>(loader.roots.data(), loader.roots.size());
         dr::sync_thread();  // the vectors must live until they are copied
@@ -64,10 +68,10 @@ class CutTables {
     bool has_choice() const { return has_choice_; }
 
     /// Draws a place on the lights, which are triangles: first a piece by two numbers in [0, 1), of
-    /// which the second gives digits that the first does not have, then a place by `uv`, which is
-    /// uniform in the triangle.
+    ///     /// which the second gives digits that the first does not have, then a place by two
+    ///     others.
     Place draw(const dr::uint32_array_t<Float_>& light, const Float_& piece_1,
-               const Float_& piece_2, const Point<Float_, 2>& uv,
+               const Float_& piece_2, const Point<Float_, 2>& random,
                const dr::mask_t<Float_>& active) const {
         const Mask wanted = dr::detach<false>(active);
         UInt32 piece = dr::detach<false>(light);
@@ -87,10 +91,21 @@ class CutTables {
                 1u;
         }
         const auto words = dr::gather<dr::Array<Float, kWords>>(pieces_, piece, wanted);
-        const Float u = dr::detach<false>(uv.x()), v = dr::detach<false>(uv.y());
+        Point2f in_piece(dr::detach<false>(random.x()), dr::detach<false>(random.y()));
+        Float density = words[6];
+        if (is_linear_) {
+            const auto w = dr::gather<dr::Array<Float, kWeights>>(weights_, piece, wanted);
+            const WeightsInNode<Float> there =
+                draw_linear<Float>({w[0], w[1], w[2]}, in_piece.x(), in_piece.y(), kSelect);
+            in_piece = Point2f(there.of[1], there.of[2]);
+            density *= linear(w, there);
+        } else {
+            in_piece = warp::square_to_uniform_triangle(in_piece);
+        }
+        const Float u = in_piece.x(), v = in_piece.y();
         const Point2f place(dr::fmadd(words[2], u, dr::fmadd(words[4], v, words[0])),
                             dr::fmadd(words[3], u, dr::fmadd(words[5], v, words[1])));
-        return {{place.x(), place.y()}, words[6]};
+        return {{place.x(), place.y()}, density};
     }
 
     /// Finds places of triangles again: the light that each belongs to, and the density with which
@@ -109,10 +124,7 @@ class CutTables {
             },
             [this](UInt32& link, Float& w0, Float& w1, Float& w2) {
                 WeightsInNode<Float> weights{{w0, w1, w2}};
-                const Mask second = weights.step(
-                    UInt32(link & 3u), [](const auto& mask, const auto& a, const auto& b) {
-                        return dr::select(mask, a, b);
-                    });
+                const Mask second = weights.step(UInt32(link & 3u), kSelect);
                 w0 = weights.of[0];
                 w1 = weights.of[1];
                 w2 = weights.of[2];
@@ -123,15 +135,33 @@ class CutTables {
         const UInt32 piece = link & ~kLeaf;
         const Mask is_there = wanted && piece != kNothing;
         const auto words = dr::gather<dr::Array<Float, kWords>>(pieces_, piece, is_there);
+        Float density = words[6];
+        if (is_linear_) {
+            const auto w = dr::gather<dr::Array<Float, kWeights>>(weights_, piece, is_there);
+            density *= linear(w, {{w0, w1, w2}});
+        }
         return {dr::select(is_there, dr::reinterpret_array<UInt32>(words[7]), whole),
-                dr::select(is_there, words[6], Float(0.0f))};
+                dr::select(is_there, density, Float(0.0f))};
     }
 
   private:
     /// Of a piece: its first corner, the edges from there to the others, density and light.
     static constexpr std::size_t kWords = 8;
+    /// Of a piece: the densities at its corners, with a sum of 1, and nothing.
+    static constexpr std::size_t kWeights = 4;
     /// A link is a node: kLeaf | piece, or first child << 2 | edge.
     static constexpr std::uint32_t kLeaf = 0x80000000u, kNothing = 0x7fffffffu;
+
+    static constexpr auto kSelect = [](const auto& mask, const auto& a, const auto& b) {
+        return dr::select(mask, a, b);
+    };
+
+    /// The density at a place, over the mean of the piece.
+    static Float linear(const dr::Array<Float, kWeights>& weights,
+                        const WeightsInNode<Float>& place) {
+        return 3.0f *
+               (weights[0] * place.of[0] + weights[1] * place.of[1] + weights[2] * place.of[2]);
+    }
 
     /// Makes the tables.
     struct Loader {
@@ -146,7 +176,7 @@ class CutTables {
             this->light = light;
             roots.push_back(kLeaf | static_cast<std::uint32_t>(sums.size()));
             if (part == TrianglePlaces::kNone) {
-                add_piece({}, 1.0);
+                add_piece({}, {1.0f, 1.0f, 1.0f}, 1.0);
             } else {
                 const Cuts::Part& of = places.cuts().parts()[part];
                 add_pieces(of.node, of.corners, 1.0);
@@ -157,7 +187,7 @@ class CutTables {
             const Cuts::Node& of = places.cuts().nodes()[node];
             if (of.first_child == 0) {
                 piece_of_node[node] = static_cast<std::uint32_t>(sums.size());
-                add_piece(corners, prob);
+                add_piece(corners, {of.weights[0], of.weights[1], of.weights[2]}, prob);
                 return;
             }
             const auto share = static_cast<double>(of.share);
@@ -171,7 +201,12 @@ class CutTables {
             }
         }
 
-        void add_piece(const ::lightcull::SubTriangle& piece, double prob) {
+        void add_piece(const ::lightcull::SubTriangle& piece, const std::array<float, 3>& at,
+                       double prob) {
+            is_linear |= at[0] != at[1] || at[1] != at[2];
+            const float sum_of_weights = at[0] + at[1] + at[2];
+            for (const float weight : at) weights.push_back(weight / sum_of_weights);
+            weights.push_back(0.0f);
             const auto [a, b, c] = piece.corners;
             const double area = static_cast<double>(::lightcull::area_share(piece)) *
                                 static_cast<double>(places.area(light));
@@ -200,14 +235,16 @@ class CutTables {
         std::vector<std::uint32_t> piece_of_node;
         std::uint32_t light = 0;
         double sum = 0.0;
-        std::vector<float> pieces;
+        bool is_linear = false;
+        std::vector<float> pieces, weights;
         std::vector<double> sums;
         std::vector<std::uint32_t> links, roots;
     };
 
     bool has_parts_ = false, has_choice_ = false;
+    bool is_linear_ = false;  ///< the density is not even on all pieces
     std::uint32_t piece_count_ = 0;
-    Float pieces_;
+    Float pieces_, weights_;
     Double sums_;  ///< number of the light, and what its pieces before one have
     UInt32 links_, roots_;
 };

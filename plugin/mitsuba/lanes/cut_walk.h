@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 
 namespace mitsuba::culling {
@@ -26,5 +27,25 @@ struct WeightsInNode {
         return second;
     }
 };
+
+/// Draws a place by two numbers in [0, 1) with a density that is linear between `weights` at the
+/// corners, which have a sum of 1: the weights of the corners there. It is as
+/// TriangleCuts::draw_place() does it where the density is not even.
+template <typename Float, typename Select>
+WeightsInNode<Float> draw_linear(const Float (&weights)[3], const Float& u, const Float& v,
+                                 const Select& select) {
+    using std::asin, std::sin;
+    const Float both = weights[0] + weights[1];
+    const auto is_0 = u < weights[0], is_1 = u < both;
+    const Float before = select(is_0, Float(0.0f), select(is_1, weights[0], both));
+    const Float weight = select(is_0, weights[0], select(is_1, weights[1], weights[2]));
+    const Float place = (u - before) / weight;
+    const Float in_range = select(place < 1.0f, place, Float(1.0f));
+    const Float own = 0.5f - sin(asin(1.0f - 2.0f * in_range) / 3.0f);
+    const Float next = (1.0f - own) * (1.0f - v), last = (1.0f - own) * v;
+    return {{select(is_0, own, select(is_1, last, next)),
+             select(is_0, next, select(is_1, own, last)),
+             select(is_0, last, select(is_1, next, own))}};
+}
 
 }  // namespace mitsuba::culling

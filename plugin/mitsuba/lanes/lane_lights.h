@@ -1,7 +1,5 @@
 #pragma once
 
-#include <mitsuba/core/warp.h>
-
 #include "lanes/chosen_light.h"
 #include "lanes/light_tables.h"
 #include "scene/triangle_pdf.h"
@@ -90,8 +88,7 @@ class LaneLights {
                            const UInt32& triangle, const ChosenLight<Float>& chosen,
                            const Random& random, const Mask& active) const {
         const auto [uv, density] =
-            tables_.draw_place(chosen.light, random.piece_1, random.piece_2,
-                               warp::square_to_uniform_triangle(random.place), active);
+            tables_.draw_place(chosen.light, random.piece_1, random.piece_2, random.place, active);
         Sample sample;
         sample.p = tables_.corner(0, chosen.light, active) * (1.0f - uv.x() - uv.y()) +
                    tables_.corner(1, chosen.light, active) * uv.x() +

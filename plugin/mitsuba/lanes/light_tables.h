@@ -67,12 +67,13 @@ class LightTables {
     Point3f corner(std::uint32_t which, const UInt32& light, const Mask& active) const {
         return dr::gather<Point3f>(corners_[which], light, active);
     }
-    /// A point that is uniform on each light that is a triangle, or on a piece of it.
+    /// Draws a place on each light that is a triangle, or a part of one.
     typename CutTables<Float>::Place draw_place(const UInt32& light, const Float& piece_1,
-                                                const Float& piece_2, const Point2f& uv,
+                                                const Float& piece_2, const Point2f& random,
                                                 const Mask& active) const {
-        if (cuts_.has_parts()) return cuts_.draw(light, piece_1, piece_2, uv, active);
-        return {uv, dr::rcp(dr::gather<Float>(areas_, light, active))};
+        if (cuts_.has_parts()) return cuts_.draw(light, piece_1, piece_2, random, active);
+        return {warp::square_to_uniform_triangle(random),
+                dr::rcp(dr::gather<Float>(areas_, light, active))};
     }
     /// The light that a place of a triangle belongs to, and the density with which it is drawn on
     /// that. `light` is the triangle's, or its first part's.

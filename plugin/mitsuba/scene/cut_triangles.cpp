@@ -29,8 +29,9 @@ constexpr std::uint32_t kFewestRays = 32, kMostRays = 1024, kRays = 1 << 15;
 constexpr std::size_t kMostMiddles = 1 << 19;
 constexpr float kSizeWithoutTexels = 32.0f;
 constexpr std::uint32_t kSmallestSize = 4;
-/// Middles to a texel along each axis: with a filter, there is light next to bright ones.
-constexpr float kMiddlesPerTexel = 2.0f;
+/// Middles to a texel along each axis, and those that are enough to see all that emits: with a
+/// filter, there is light next to bright texels.
+constexpr float kMiddlesPerTexel = 4.0f, kEnoughPerTexel = 2.0f;
 /// The least emission of a part, as a share of the mean, where a lattice does not see all texels.
 constexpr float kUnseen = 0.01f;
 
@@ -172,7 +173,8 @@ LatticeSize lattice_size(const CutCandidate<Float, Spectrum>* first,
     const double most = std::sqrt(static_cast<double>(kMostMiddles / varying));
     std::uint32_t size = kSmallestSize;
     while (static_cast<float>(size) < wanted * 0.999f && 2.0 * size <= most) size *= 2;
-    return {size, texels > 0.0f && static_cast<float>(size) >= wanted * 0.999f};
+    const float enough = wanted * (kEnoughPerTexel / kMiddlesPerTexel * 0.999f);
+    return {size, texels > 0.0f && static_cast<float>(size) >= enough};
 }
 
 /// Looks at the emission of the candidates whose emitters vary.
@@ -196,12 +198,11 @@ std::vector<std::optional<EmissionLattice>> emission_lattices(
         for (std::size_t i = first; i < end; ++i) triangles.push_back(candidates[i].triangle);
         const auto radiances =
             Probe(candidates[first].emitter).lattices(candidates[first].mesh, triangles, size);
-        const std::size_t middles = std::size_t{size} * size;
+        const std::size_t count = EmissionLattice::count(size);
         for (std::size_t i = first; i < end; ++i) {
-            lattices[i].emplace(
-                size,
-                ::lightcull::Span<const float>(radiances.data() + (i - first) * middles, middles),
-                sees_all ? 0.0f : kUnseen);
+            const float* const of_one = radiances.data() + (i - first) * count;
+            lattices[i].emplace(size, ::lightcull::Span<const float>(of_one, count),
+                                sees_all ? 0.0f : kUnseen);
         }
     }
     return lattices;

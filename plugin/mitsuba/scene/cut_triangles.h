@@ -25,7 +25,7 @@ struct CutCandidate {
 };
 
 /// Cuts emissive triangles where they are longer than their distance to what they light, by a few
-/// rays in the scene, and where their emission is uneven. Within pieces places are uniform.
+/// rays in the scene, and where their emission is uneven.
 template <typename Float, typename Spectrum>
 ::lightcull::TriangleCuts cut_triangles(
     const Scene<Float, Spectrum>* scene,

@@ -142,25 +142,31 @@ std::vector<float> EmissionProbe<Float, Spectrum>::lattices(
     using UInt32 = dr::uint32_array_t<Float>;
     const Lookup<UInt32> index(triangles);
     const std::uint32_t middles = size * size;
-    const auto count = static_cast<std::uint32_t>(triangles.size()) * middles;
+    const auto places = static_cast<std::uint32_t>(EmissionLattice::count(size));
+    const auto count = static_cast<std::uint32_t>(triangles.size()) * places;
     // The same wavelengths everywhere, so that they make nothing uneven.
-    constexpr std::uint32_t kOffsets = is_spectral_v<Spectrum> ? 4 : 1;
+    constexpr std::uint32_t kShifts = is_spectral_v<Spectrum> ? 4 : 1;
     std::vector<float> sums(count, 0.0f);
-    for (std::uint32_t offset = 0; offset < kOffsets; ++offset) {
+    for (std::uint32_t shift = 0; shift < kShifts; ++shift) {
         const auto radiance = evaluate<2, Float>(count, [&](const auto& lane) {
-            const auto triangle = lane / middles, middle = lane - triangle * middles;
-            const auto row = middle / size, column = middle - row * size;
-            const auto place = [&](const auto& i) {
-                return (to_float<Float>(i) + EmissionLattice::kOffset) / static_cast<float>(size);
-            };
-            Point2f uv(place(column), place(row));
-            uv = dr::select(row + column >= size, 1.0f - uv, uv);
-            SurfaceInteraction3f si = triangle_point<Float, Spectrum>(mesh, index[triangle], uv);
-            si.wavelengths = wavelengths<Float, Spectrum>(Float(static_cast<float>(offset)));
+            const UInt32 triangle = lane / places, place = lane - triangle * places;
+            const auto is_corner = place >= middles;
+            const UInt32 edge = dr::select(is_corner, UInt32(size + 1), UInt32(size));
+            const UInt32 number = dr::select(is_corner, place - middles, place);
+            const UInt32 row = number / edge, column = number - row * edge;
+            const Float offset =
+                dr::select(is_corner, Float(0.0f), Float(EmissionLattice::kOffset));
+            const Point2f uv((to_float<Float>(column) + offset) / static_cast<float>(size),
+                             (to_float<Float>(row) + offset) / static_cast<float>(size));
+            // Corners beyond the triangle are mirrored, too, so that they are on it.
+            const Point2f inside = dr::select(uv.x() + uv.y() > 1.0f, 1.0f - uv, uv);
+            SurfaceInteraction3f si =
+                triangle_point<Float, Spectrum>(mesh, index[triangle], inside);
+            si.wavelengths = wavelengths<Float, Spectrum>(Float(static_cast<float>(shift)));
             return both_sides<Float, Spectrum>(emitter_, si);
         });
         for (std::size_t i = 0; i < count; ++i) {
-            sums[i] += std::max(radiance[0][i], radiance[1][i]) / static_cast<float>(kOffsets);
+            sums[i] += std::max(radiance[0][i], radiance[1][i]) / static_cast<float>(kShifts);
         }
     }
     return sums;

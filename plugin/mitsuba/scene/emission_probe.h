@@ -43,7 +43,7 @@ class EmissionProbe {
     std::vector<Emission> triangles(const Mesh* mesh) const;
 
     /// The radiance of some triangles of the emitter's mesh, the larger one of both sides, at the
-    /// size^2 middles of an EmissionLattice each.
+    /// places of an EmissionLattice each.
     std::vector<float> lattices(const Mesh* mesh, const std::vector<std::uint32_t>& triangles,
                                 std::uint32_t size) const;
 
