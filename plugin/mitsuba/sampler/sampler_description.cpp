@@ -61,19 +61,20 @@ std::string sampler_description(const Properties& properties) {
     return description;
 }
 
-bool chooses_by_means(const std::string& description, std::size_t light_count) {
+bool chooses_by_means(const std::string& description, std::size_t light_count,
+                      std::size_t uncut_count) {
     if (light_count < 2) return true;
     const ::lightcull::SamplerSpec spec = ::lightcull::parse_sampler(description);
     if (const auto* bvh = std::get_if<::lightcull::LightBvhOptions>(&spec)) {
         return bvh->importance == ::lightcull::ClusterImportance::kMeans;
     }
     constexpr std::size_t kFew = 64;
-    if (light_count > kFew) return false;
+    if (uncut_count > kFew) return false;
     if (const auto* culled = std::get_if<::lightcull::CulledOptions>(&spec)) {
         // All lights are accepted, unless their ranges are given.
         constexpr float kAllOfMore = 4.0f;
         return !culled->range.error_bound &&
-               static_cast<float>(light_count) <= kAllOfMore * culled->range.expected_accepted;
+               static_cast<float>(uncut_count) <= kAllOfMore * culled->range.expected_accepted;
     }
     return std::holds_alternative<::lightcull::LearnedOptions>(spec);
 }

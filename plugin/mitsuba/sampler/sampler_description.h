@@ -16,9 +16,11 @@ inline constexpr const char* kMeans = "light_bvh:importance=means";
 /// Throws for what make_sampler() would refuse, and for `paper` with its test at the vertex.
 std::string sampler_description(const Properties& properties);
 
-/// Whether one of so many lights is best chosen as a light BVH with the importance by means does.
-/// That is so for a sampler that is one, and for any where there is nothing to choose; and for
-/// culled and learned up to 64 lights, each of which culled weighs: the variance is the same.
-bool chooses_by_means(const std::string& description, std::size_t light_count);
+/// Whether one of `light_count` lights is best chosen as a light BVH with the importance by means
+/// does. That is so for a sampler that is one, and for any where there is nothing to choose; and
+/// for culled and learned up to 64 lights, triangles that are cut being one each, which culled
+/// would all weigh: the variance is the same.
+bool chooses_by_means(const std::string& description, std::size_t light_count,
+                      std::size_t uncut_count);
 
 }  // namespace mitsuba::culling

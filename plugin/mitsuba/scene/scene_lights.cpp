@@ -111,6 +111,7 @@ SceneLights<Float, Spectrum>::SceneLights(const Scene* scene) {
     float weights = 0.0f;
     for (const Unplaced& unplaced : unplaced_) weights += unplaced.prob;
     for (Unplaced& unplaced : unplaced_) unplaced.prob /= weights;
+    uncut_count_ = lights_.size();
     cut(scene);
 }
 

@@ -4,6 +4,7 @@
 
 #include <mitsuba/render/scene.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <unordered_map>
 #include <vector>
@@ -51,6 +52,8 @@ class SceneLights {
     explicit SceneLights(const Scene* scene);
 
     const std::vector<::lightcull::Light>& lights() const { return lights_; }
+    /// The number of lights that there would be if no triangle were cut.
+    std::size_t uncut_count() const { return uncut_count_; }
     /// By light; for a light that is no triangle they mean nothing.
     const std::vector<Triangle>& triangles() const { return triangles_; }
     const TrianglePlaces& places() const { return places_; }
@@ -88,6 +91,7 @@ class SceneLights {
 
     ScalarPoint3f middle_;  // of the scene's bounds
     std::vector<::lightcull::Light> lights_;
+    std::size_t uncut_count_ = 0;
     std::vector<Triangle> triangles_;
     TrianglePlaces places_;
     std::vector<std::uint32_t> source_of_;
