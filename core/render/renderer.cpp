@@ -32,6 +32,9 @@ double seconds_since(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
+/// What the keys of PixelNumbers are hashed from beside the seed.
+constexpr std::uint64_t kForNumbers = 1, kForTrials = 2;
+
 /// The bytes that LightSampler::select() needs for a point meanwhile.
 constexpr std::size_t kSelectionScratch = 20;
 
@@ -111,7 +114,9 @@ Pass Renderer::Impl::pass_of(std::uint64_t number, const std::atomic<bool>* canc
             PassRays(camera, settings, number),
             *sampler,
             vertex_culling(*sampler),
+            number,
             hash(settings.seed, number),
+            hash(settings.seed, kForNumbers, sampler->changes()),
             cancel,
             pass_pixels.data(),
             pass_emission.empty() ? nullptr : pass_emission.data(),
@@ -189,6 +194,7 @@ double Renderer::Impl::variance_with(float share, const std::atomic<bool>* cance
     TrialImage image(settings);
     for (std::uint64_t k = 0; k < kPasses; ++k) {
         Pass pass = pass_of(k, cancel);
+        pass.numbers_key = hash(settings.seed, kForTrials, std::uint64_t{0});
         pass.reports = false;
         render_tiles(pass, image.tiles());
         image.take(pass_pixels);

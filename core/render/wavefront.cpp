@@ -7,6 +7,7 @@
 #include <lightcull/sets.h>
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 #include <variant>
 
@@ -142,7 +143,7 @@ void Wavefront::make_vertices() {
         surfaces_.push_back(make_surface(pass_->scene, hits_[i], rays_[i].direction));
         if (!needs_selection()) continue;
         points_.push_back(surfaces_.back().shading_point(set_of(k)));
-        selection_u_.push_back(random_of(path_of(k).pixel).one(Dimension::kSelectLight));
+        selection_u_.push_back(numbers_of(path_of(k).pixel).select_light());
     }
     selections_.assign(order_.size(), Selection{});
 }
@@ -170,7 +171,7 @@ void Wavefront::add_direct_light() {
     contributions_.clear();
     for (std::size_t k = 0; k < order_.size(); ++k) {
         const std::uint32_t pixel = path_of(k).pixel;
-        const PathRandom random = random_of(pixel);
+        const PixelNumbers numbers = numbers_of(pixel);
         const auto shoot = [&](const LightSample& sample, std::uint32_t vertex) {
             if (sample.value == V3f(0.0f)) return;
             shadow_rays_.push_back(sample.shadow_ray);
@@ -178,8 +179,8 @@ void Wavefront::add_direct_light() {
         };
         // The light and the environment get one ray each: a choice between the two would double the
         // variance of both.
-        if (has_lights()) shoot(sample_light(k, random), static_cast<std::uint32_t>(k));
-        if (pass_->scene.environment) shoot(sample_environment(k, random), kNone);
+        if (has_lights()) shoot(sample_light(k, numbers), static_cast<std::uint32_t>(k));
+        if (pass_->scene.environment) shoot(sample_environment(k, numbers), kNone);
     }
     occluded_.resize(shadow_rays_.size());
     pass_->scene.ray_tracer->occluded(shadow_rays_, occluded_);
@@ -192,11 +193,15 @@ void Wavefront::add_direct_light() {
 
 void Wavefront::report_visibility() {
     outcomes_.clear();
-    for (std::size_t j = 0; j < contributions_.size(); ++j) {
-        const std::uint32_t vertex = contributions_[j].vertex;
-        if (vertex == kNone) continue;
+    std::size_t j = 0;
+    for (std::uint32_t vertex = 0; vertex < points_.size(); ++vertex) {
         const Selection& selection = selections_[vertex];
-        const float visibility = occluded_[j] == 0 ? 1.0f : 0.0f;
+        float visibility = std::numeric_limits<float>::quiet_NaN();
+        while (j < contributions_.size() && contributions_[j].vertex == kNone) ++j;
+        if (j < contributions_.size() && contributions_[j].vertex == vertex) {
+            visibility = occluded_[j++] == 0 ? 1.0f : 0.0f;
+        }
+        if (!(selection.prob > 0.0f)) continue;
         outcomes_.push_back({points_[vertex].position, points_[vertex].normal, selection.receipt,
                              selection.light, visibility});
     }
@@ -204,13 +209,12 @@ void Wavefront::report_visibility() {
 }
 
 Wavefront::LightSample Wavefront::sample_light(std::size_t vertex,
-                                               const PathRandom& random) const noexcept {
+                                               const PixelNumbers& numbers) const noexcept {
     const Surface& surface = surfaces_[vertex];
     const Selection& selection = selections_[vertex];
     if (!(selection.prob > 0.0f)) return {};
-    const EmitterSample s =
-        sample_emitter(pass_->scene, pass_->scene.emitters[selection.light], surface.position,
-                       {random.fine(Dimension::kLightPiece), random.two(Dimension::kLightVertex)});
+    const EmitterSample s = sample_emitter(pass_->scene, pass_->scene.emitters[selection.light],
+                                           surface.position, numbers.light_vertex());
     if (!(s.pdf > 0.0f) || s.direction.dot(surface.normal) <= 0.0f) return {};
     const BsdfValue bsdf = surface.bsdf.evaluate(s.direction);
     const V3f value = path_of(vertex).throughput * bsdf.value * s.radiance;
@@ -232,10 +236,10 @@ Wavefront::LightSample Wavefront::sample_light(std::size_t vertex,
 }
 
 Wavefront::LightSample Wavefront::sample_environment(std::size_t vertex,
-                                                     const PathRandom& random) const noexcept {
+                                                     const PixelNumbers& numbers) const noexcept {
     const Surface& surface = surfaces_[vertex];
-    const EnvironmentSample s = pass_->scene.environment->sample(
-        random.fine(Dimension::kEnvironment), random.two(Dimension::kInCell));
+    const auto [cell, within] = numbers.environment();
+    const EnvironmentSample s = pass_->scene.environment->sample(cell, within);
     if (!(s.pdf > 0.0f) || s.direction.dot(surface.normal) <= 0.0f) return {};
     const BsdfValue bsdf = surface.bsdf.evaluate(s.direction);
     const bool mis = pass_->settings.direct_light == DirectLight::kMis;
@@ -262,17 +266,17 @@ void Wavefront::scatter() {
     for (std::size_t k = 0; k < order_.size(); ++k) {
         const Path& path = path_of(k);
         const Surface& surface = surfaces_[k];
-        const PathRandom random = random_of(path.pixel);
+        const PixelNumbers numbers = numbers_of(path.pixel);
+        const PixelNumbers::Scatter u = numbers.scatter();
         const float share = ray_share(surface);
-        if (share < 1.0f && random.one(Dimension::kLastRay) >= share) continue;
-        const float lobe = surface.bsdf.is_specular() ? random.one(Dimension::kLobe) : 0.0f;
-        const BsdfSample s = surface.bsdf.sample(lobe, random.two(Dimension::kScatter));
+        if (u.last_ray >= share) continue;
+        const BsdfSample s = surface.bsdf.sample(u.lobe, u.direction);
         V3f throughput = path.throughput * s.weight * (1.0f / share);
         if (throughput == V3f(0.0f) || s.direction.dot(surface.normal) <= 0.0f) continue;
         if (depth_ >= pass_->settings.rr_depth) {
             constexpr float kMostLikely = 0.95f;
             const float survival = std::min(kMostLikely, max_component(throughput));
-            if (random.one(Dimension::kRoulette) >= survival) continue;
+            if (numbers.roulette() >= survival) continue;
             throughput /= survival;
         }
         next_paths_.push_back({path.pixel, throughput, s.pdf * share, {}, selections_[k].receipt});

@@ -34,7 +34,12 @@ CutChoice choose(const CutWeights& weights, double number) noexcept {
     double left = number * static_cast<double>(weights.total());
     // Down the sums: rounding may leave a little at the end, which falls to what has any weight.
     // Nobody can predict what is chosen: numbers instead of branches.
-    const float* sums = weights.sums + 2 * kStride - 2;
+    const auto near_total = static_cast<double>(weights.total_of(0));
+    const int part =
+        static_cast<int>(left >= near_total) & static_cast<int>(weights.total_of(1) > 0.0f);
+    left -= near_total * part;
+    const std::size_t bounds[] = {0, weights.near_size, weights.size};
+    const float* sums = weights.sums[part] + 2 * kStride - 2;
     std::size_t column = 0;
     for (std::size_t half = 1; half < kStride; half *= 2) {
         sums -= 2 * half;
@@ -47,15 +52,16 @@ CutChoice choose(const CutWeights& weights, double number) noexcept {
     double before[CutWeights::kMaxSize / kStride];
     double sum = 0.0;
     std::size_t begun = 0, rows = 0;
-    for (std::size_t i = column; i < weights.size; i += kStride) {
+    for (std::size_t i = bounds[part] + column; i < bounds[part + 1]; i += kStride) {
         before[rows++] = sum;
         begun += static_cast<std::size_t>(sum <= left);
         sum += static_cast<double>(weights.of[i]);
     }
     // The last cluster with any weight that begins before the place.
     std::size_t row = begun - 1;
-    while (row > 0 && !(weights.of[column + row * kStride] > 0.0f)) --row;
-    const std::size_t chosen = column + row * kStride;
+    const std::size_t top = bounds[part] + column;
+    while (row > 0 && !(weights.of[top + row * kStride] > 0.0f)) --row;
+    const std::size_t chosen = top + row * kStride;
     const double within = (left - before[row]) / static_cast<double>(weights.of[chosen]);
     constexpr double kBelowOne = 1.0 - 0x1p-53;
     return {static_cast<std::uint32_t>(chosen), std::clamp(within, 0.0, kBelowOne)};

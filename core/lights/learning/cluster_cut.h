@@ -48,15 +48,19 @@ struct alignas(64) CutWeights {
 
     float of[kMaxSize];  ///< weights: first by place in the cut, from first_opened on by place in
                          ///< the opened nodes; 0 for a cluster that was opened, and between
-    /// At first the sums over every kStride-th place, from each of the first on; then, in turn, as
-    /// many sums of the i-th of these and the i-th of their second half, to the last, of all.
-    float sums[2 * kStride];
+    /// Sums of near clusters, and of all others. At first those over every kStride-th place, from
+    /// each of the first on; then, in turn, as many sums of the i-th of these and the i-th of their
+    /// second half, to the last, of all.
+    float sums[2][2 * kStride];
+    std::uint32_t near_size;           ///< number of places of near clusters
     std::uint32_t size;                ///< number of places
     std::uint32_t first_opened;        ///< place of the first child of the first opened node
     std::uint32_t opened_count;        ///< number of opened nodes
     std::uint32_t opened[kMaxOpened];  ///< opened nodes of the tree
 
-    float total() const noexcept { return sums[2 * kStride - 2]; }
+    /// The sum of the near ones (0) or the others (1).
+    float total_of(std::size_t part) const noexcept { return sums[part][2 * kStride - 2]; }
+    float total() const noexcept { return total_of(0) + total_of(1); }
 
     /// The cluster of a place, in the form of BoundsNode::child.
     std::uint32_t child(const LightBvh<MeansNode>& bvh, const ClusterCut& cut,
@@ -73,8 +77,8 @@ struct CutChoice {
     double within;        ///< place in the cluster's share where the choice fell, [0, 1)
 };
 
-/// Chooses a cluster in proportion to its weight, by a number in [0, 1). Their total must not
-/// be 0.
+/// Chooses a cluster in proportion to its weight, by a number in [0, 1): near ones come first, and
+/// either in the order of the tree's leaves. Their total must not be 0.
 CutChoice choose(const CutWeights& weights, double number) noexcept;
 
 }  // namespace lightcull

@@ -184,8 +184,25 @@ bool is_far(const MeansNode& node, std::size_t i, const CutPlace& place) noexcep
     return facing + root > 2.0f * least * length(normal);
 }
 
+/// The columns of places in the order in which choose() goes through them: numbers that are close
+/// choose clusters of one column, from the first row on.
+constexpr std::array<std::uint8_t, CutWeights::kStride> kColumns{0, 8, 4, 12, 2, 10, 6, 14,
+                                                                 1, 9, 5, 13, 3, 11, 7, 15};
+
+/// The places from `begin` to `end`, in the order in which choose() goes through them where there
+/// are no others. Both begin a row, but `end` may lie within the last one.
+template <typename Visit>
+void for_each_place(std::uint32_t begin, std::uint32_t end, const Visit& visit) {
+    constexpr auto kStride = static_cast<std::uint32_t>(CutWeights::kStride);
+    for (const std::uint8_t column : kColumns) {
+        for (std::uint32_t at = begin + column; at < end; at += kStride) visit(at);
+    }
+}
+
 /// Gives each cluster of a cut its place: near ones first, with those next to the cell where they
-/// do not fill their blocks. Sets far_scale as it is where `scale` is 1.
+/// do not fill their blocks. Among the near ones, and among the others, they lie so that choose()
+/// goes through them in the order of the tree's leaves: numbers that are close choose lights that
+/// are. Sets far_scale as it is where `scale` is 1.
 void find_places(const LightBvh<MeansNode>& bvh, const CutPlace& place, const GivenToPlace& given,
                  ClusterCut& cut) noexcept {
     float by_cosine[ClusterCut::kMaxSize];  // of clusters that may be far; 0: others
@@ -205,12 +222,19 @@ void find_places(const LightBvh<MeansNode>& bvh, const CutPlace& place, const Gi
     std::sort(order.begin(), order.begin() + cut.size);
     constexpr std::uint32_t kBlock = ClusterCut::kBlock;
     cut.near_size = (near + kBlock - 1) / kBlock * kBlock;
-    for (std::uint32_t at = 0; at < cut.size; ++at) {
-        const std::uint8_t cluster = order[at].second;
+    const std::uint32_t first_far = std::min(cut.near_size, cut.size);
+    std::uint8_t next = 0;
+    const auto in_order = [](const auto& a, const auto& b) { return a.second < b.second; };
+    std::sort(order.begin(), order.begin() + first_far, in_order);
+    std::sort(order.begin() + first_far, order.begin() + cut.size, in_order);
+    const auto place_next = [&](std::uint32_t at) {
+        const std::uint8_t cluster = order[next++].second;
         cut.cluster_at[at] = cluster;
         cut.place_of[cluster] = static_cast<std::uint8_t>(at);
         cut.far_scale[at] = at < cut.near_size ? 0.0f : by_cosine[cluster];
-    }
+    };
+    for_each_place(0, first_far, place_next);
+    for_each_place(first_far, cut.size, place_next);
 }
 
 class CutBuilder {

@@ -63,9 +63,9 @@ HWY_ATTR HWY_INLINE hn::Vec<Tag> far_weights_at(const ClusterCut& cut, std::size
 }
 
 /// Adds up the sums over every kStride-th place.
-inline void add_up(CutWeights& weights) {
-    const float* from = weights.sums;
-    float* to = weights.sums + kStride;
+inline void add_up(float* sums) {
+    const float* from = sums;
+    float* to = sums + kStride;
     for (std::size_t half = kStride / 2; half > 0; half /= 2) {
         for (std::size_t i = 0; i < half; ++i) to[i] = from[i] + from[i + half];
         from = to;
@@ -148,14 +148,17 @@ HWY_ATTR inline void open_blurred(const LightBvh<MeansNode>& bvh, const ClusterC
 /// Sums the weights in columns.
 HWY_ATTR inline void sum(CutWeights& weights) {
     const Tag d;
-    for (std::size_t column = 0; column < kStride; column += hn::Lanes(d)) {
-        auto sum = hn::Zero(d);
-        for (std::size_t i = column; i < weights.size; i += kStride) {
-            sum = hn::Add(sum, hn::Load(d, weights.of + i));
+    const std::size_t bounds[] = {0, weights.near_size, weights.size};
+    for (std::size_t part = 0; part < 2; ++part) {
+        for (std::size_t column = 0; column < kStride; column += hn::Lanes(d)) {
+            auto sum = hn::Zero(d);
+            for (std::size_t i = bounds[part] + column; i < bounds[part + 1]; i += kStride) {
+                sum = hn::Add(sum, hn::Load(d, weights.of + i));
+            }
+            hn::Store(sum, d, weights.sums[part] + column);
         }
-        hn::Store(sum, d, weights.sums + column);
+        add_up(weights.sums[part]);
     }
-    add_up(weights);
 }
 
 HWY_ATTR inline void weigh_lobe(const LightBvh<MeansNode>& bvh, const ClusterCut& cut,
@@ -181,10 +184,11 @@ HWY_ATTR inline void weigh(const LightBvh<MeansNode>& bvh, const ClusterCut& cut
     weights.size = static_cast<std::uint32_t>((cut.size + kStride - 1) / kStride * kStride);
     weights.first_opened = weights.size;
     weights.opened_count = 0;
+    weights.near_size = cut.near_size;
     if (receiver.has_lobe()) return weigh_lobe(bvh, cut, receiver, weights);
     const Tag d;
     const std::size_t lanes = hn::Lanes(d);
-    const std::size_t near = is_near_all(receiver) ? weights.size : cut.near_size;
+    const bool near_all = is_near_all(receiver);
     for (std::size_t column = 0; column < kStride; column += lanes) {
         auto sum = hn::Zero(d);
         const auto add = [&](std::size_t i, hn::Vec<Tag> w) HWY_ATTR {
@@ -192,11 +196,16 @@ HWY_ATTR inline void weigh(const LightBvh<MeansNode>& bvh, const ClusterCut& cut
             sum = hn::Add(sum, w);
         };
         std::size_t i = column;
-        for (; i < near; i += kStride) add(i, weights_at(cut, i, receiver, nullptr));
-        for (; i < weights.size; i += kStride) add(i, far_weights_at(cut, i, receiver));
-        hn::Store(sum, d, weights.sums + column);
+        for (; i < cut.near_size; i += kStride) add(i, weights_at(cut, i, receiver, nullptr));
+        hn::Store(sum, d, weights.sums[0] + column);
+        sum = hn::Zero(d);
+        for (; i < weights.size; i += kStride) {
+            add(i, near_all ? weights_at(cut, i, receiver, nullptr)
+                            : far_weights_at(cut, i, receiver));
+        }
+        hn::Store(sum, d, weights.sums[1] + column);
     }
-    add_up(weights);
+    for (float(&sums)[2 * kStride] : weights.sums) add_up(sums);
 }
 
 HWY_ATTR inline float weight_of(const ClusterCut& cut, std::uint32_t place,

@@ -101,6 +101,7 @@ class LearnedPass final : public LightSelector, public SamplerInfo {
     }
 
     bool wants_reports() const noexcept override { return cells_->learning(); }
+    std::uint32_t changes() const noexcept override { return cells_->changes(); }
 
     bool knows(const Receipt& receipt) const noexcept override {
         if (!is_cell(receipt)) return fallback_->knows(receipt);
@@ -375,6 +376,7 @@ class LearnedSampler final : public LightSampler, public SamplerInfo {
         constexpr std::uint32_t kAll = 32, kOneIn = 4;
         return cells_->learning() && (cells_->round() < kAll || passes_ % kOneIn == 0);
     }
+    std::uint32_t changes() const noexcept override { return cells_->changes(); }
     bool knows(const Receipt& receipt) const noexcept override { return current_->knows(receipt); }
     std::uint32_t set_count() const noexcept override { return culled_->set_count(); }
     SelectionCounts count(const ShadingPoint& point) const noexcept override {
@@ -394,7 +396,7 @@ class LearnedSampler final : public LightSampler, public SamplerInfo {
     }
 
   private:
-    static constexpr std::uint64_t kStateVersion = 0x31306c6c7563u;
+    static constexpr std::uint64_t kStateVersion = 0x32306c6c7563u;
 
     bool learns() const noexcept {
         // Among so few there is less to gain by learning than it costs.

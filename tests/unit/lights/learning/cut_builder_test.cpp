@@ -71,6 +71,23 @@ double misjudged(const ClusterCut& cut, const Receiver& receiver,
     return off / sum;
 }
 
+/// Makes the sums of weights.
+void add_up(CutWeights& weights) {
+    constexpr std::uint32_t kStride = CutWeights::kStride;
+    for (std::uint32_t i = 0; i < weights.size; ++i) {
+        weights.sums[i < weights.near_size ? 0 : 1][i % kStride] += weights.of[i];
+    }
+    for (float(&sums)[2 * kStride] : weights.sums) {
+        for (std::size_t from = 0, half = kStride / 2; half > 0; half /= 2) {
+            const std::size_t to = from + 2 * half;
+            for (std::size_t i = 0; i < half; ++i) {
+                sums[to + i] = sums[from + i] + sums[from + half + i];
+            }
+            from = to;
+        }
+    }
+}
+
 }  // namespace
 
 TEST_CASE("a cut weighs clusters by what their parts give the place") {
@@ -164,6 +181,20 @@ TEST_CASE("a cut's places hold each cluster once, near ones first") {
         CHECK(cut.cluster_at[cut.place_of[i]] == i);
         CHECK((cut.far_scale[i] > 0.0f) == (i >= cut.near_size));
     }
+    // A choice goes through either in the order of the tree's leaves.
+    CutWeights weights{};
+    weights.size = weights.first_opened =
+        (cut.size + ClusterCut::kBlock - 1) / ClusterCut::kBlock * ClusterCut::kBlock;
+    weights.near_size = cut.near_size;
+    for (std::uint32_t i = 0; i < cut.size; ++i) weights.of[i] = 1.0f;
+    add_up(weights);
+    std::vector<std::uint32_t> chosen;
+    for (std::uint32_t i = 0; i < cut.size; ++i) {
+        const CutChoice choice = choose(weights, (i + 0.5) / cut.size);
+        chosen.push_back(cut.cluster_at[choice.place]);
+    }
+    CHECK(std::is_sorted(chosen.begin(), chosen.begin() + cut.near_size));
+    CHECK(std::is_sorted(chosen.begin() + cut.near_size, chosen.end()));
     // A cell that is as wide as all the lights has no far ones.
     rebuild_cut(bvh, LeafOrder(bvh), {{0, 0, 0}, {0, 0, 0}, 1.0f}, cut, evidence);
     CHECK(cut.near_size >= cut.size);
@@ -171,24 +202,17 @@ TEST_CASE("a cut's places hold each cluster once, near ones first") {
 
 TEST_CASE("a choice out of a cut falls on each place as often as its weight says") {
     // As many places as with an odd number of opened nodes: the last row is half of one.
-    constexpr std::size_t kStride = CutWeights::kStride;
     CutWeights weights{};
+    weights.near_size = 48;
     weights.first_opened = 112;
     weights.opened_count = 1;
     weights.size = weights.first_opened + CutWeights::kWidth;
     float total = 0.0f;
     for (std::uint32_t i = 0; i < weights.size; ++i) {
         weights.of[i] = static_cast<float>(i % 7 == 3 ? 0 : 1 + i % 5);
-        weights.sums[i % kStride] += weights.of[i];
         total += weights.of[i];
     }
-    for (std::size_t from = 0, half = kStride / 2; half > 0; half /= 2) {
-        const std::size_t to = from + 2 * half;
-        for (std::size_t i = 0; i < half; ++i) {
-            weights.sums[to + i] = weights.sums[from + i] + weights.sums[from + half + i];
-        }
-        from = to;
-    }
+    add_up(weights);
     REQUIRE(weights.total() == total);
     std::vector<float> chosen(weights.size);
     for (float place = 0.0f; place < total; ++place) {
