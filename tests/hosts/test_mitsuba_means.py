@@ -73,6 +73,7 @@ KINDS = [
     Kind("cut lamps", scenes.cut_lamps, samplers=(*BOTH_SAMPLERS, "light_bvh")),
     Kind("cut lamps over metal", scenes.cut_lamps_over_metal, samplers=("culled", "light_bvh")),
     Kind("spectral cut lamps", scenes.cut_lamps, variants=BOTH_SPECTRAL, samplers=("light_bvh",)),
+    Kind("as published", scenes.round_lamps, samplers=("paper", "paper:list=0"), twin=1.2),
     Kind("glass", scenes.glass, options={"max_depth": 6}, variants=SCALAR),
     Kind("rough glass", scenes.rough_glass, options={"max_depth": 6}),
     Kind("mask and null", scenes.see_through, options={"max_depth": 6}, twin=1.2, samplers=BOTH_WAYS),

@@ -137,6 +137,9 @@ class LightcullPath final : public MonteCarloIntegrator<Float, Spectrum> {
                 take_light_sampler(scene, sensor, lights, size);
             job.light_sampler = reusable.get();
             job.context.light_sampler = &reusable->sampler();
+            if (lights.lights().size() > 1) {
+                job.context.vertex_culling = ::lightcull::vertex_culling(reusable->sampler());
+            }
             if constexpr (dr::is_jit_v<Float>) {
                 render_wavefronts(job);
             } else {
@@ -241,7 +244,8 @@ class LightcullPath final : public MonteCarloIntegrator<Float, Spectrum> {
     PathContext<Float, Spectrum> context(const Scene* scene,
                                          const SceneLights<Float, Spectrum>& lights,
                                          bool has_lobes) const {
-        return {this, scene, &lights, nullptr, m_max_depth, m_rr_depth, m_hide_emitters, has_lobes};
+        return {this,        scene,      &lights,         nullptr,  nullptr,
+                m_max_depth, m_rr_depth, m_hide_emitters, has_lobes};
     }
 
     /// Traces paths for whoever asks, as another integrator does around this one. Nobody tells of

@@ -28,17 +28,10 @@ std::string error_bound(const Properties& properties) {
     return digits(properties.get<double>(kName));
 }
 
-/// Throws for what make_sampler() would refuse, and for a sampler that this integrator is no host
-/// for.
+/// Throws for what make_sampler() would refuse.
 void check(const std::string& description) {
     try {
-        const ::lightcull::SamplerSpec spec = ::lightcull::parse_sampler(description);
-        const auto* paper = std::get_if<::lightcull::PaperOptions>(&spec);
-        if (paper != nullptr && paper->range_at_vertex) {
-            Throw(
-                "lightcull_path: light_sampler \"%s\" tests ranges at vertices, wanted test=light",
-                description);
-        }
+        ::lightcull::parse_sampler(description);
     } catch (const ::lightcull::Error& error) {
         Throw("lightcull_path: %s", error.what());
     }

@@ -13,7 +13,7 @@ inline constexpr const char* kMeans = "light_bvh:importance=means";
 /// The description of the light sampler, as lightcull::make_sampler() takes it, from the
 /// integrator's parameters `light_sampler` (a description; learned unless given, or culled with the
 /// others), `error_bound` (a number or "auto") and `sets` (a whole number), which are added to it.
-/// Throws for what make_sampler() would refuse, and for `paper` with its test at the vertex.
+/// Throws for what make_sampler() would refuse.
 std::string sampler_description(const Properties& properties);
 
 /// Whether one of `light_count` lights is best chosen as a light BVH with the importance by means

@@ -142,9 +142,12 @@ class ScalarPath {
         if (!(selection_.prob > 0.0f)) return;
         const auto& source = context_.lights->source_of(selection_.light);
         const Float mis_prob = selection_.mis_prob;
+        const auto select_prob = [this](const Point3f& p) {
+            return selection_.prob * vertex_prob(p);
+        };
         const Arrival arrival = source.mesh
                                     ? add_triangle(bsdf, source, mis_prob)
-                                    : add_whole(bsdf, source.emitter, selection_.prob, mis_prob);
+                                    : add_whole(bsdf, source.emitter, select_prob, mis_prob);
         if (arrival) report(*arrival);
     }
 
@@ -178,7 +181,9 @@ class ScalarPath {
         const Spectrum radiance = source.emitter->eval(at);
         const Float pdf = triangle_pdf(density, at.n, direction, distance);
         if (!std::isfinite(pdf) || dr::all(unpolarized_spectrum(radiance) == 0.0f)) return {};
-        const Spectrum weight = radiance / (selection_.prob * pdf);
+        const Float select_prob = selection_.prob * vertex_prob(p);
+        if (!(select_prob > 0.0f)) return {};
+        const Spectrum weight = radiance / (select_prob * pdf);
         return add_if_visible(bsdf, p, direction, weight, mis_prob * pdf, false);
     }
 
@@ -195,11 +200,23 @@ class ScalarPath {
         return places.draw(selection_.light, of_piece, random.x(), random.y());
     }
 
-    /// Adds light from an emitter that Mitsuba samples.
-    Arrival add_whole(const BSDF* bsdf, const Emitter* emitter, Float select_prob, Float mis_prob) {
+    /// The part of the selected light's probability that depends on the place on it.
+    Float vertex_prob(const Point3f& p) const {
+        if (!context_.vertex_culling) return 1.0f;
+        return context_.vertex_culling->vertex_prob(point_, selection_.receipt, selection_.light,
+                                                    to_float3(p));
+    }
+
+    /// Adds light from an emitter that Mitsuba samples. select_prob(p): with what probability it is
+    /// selected, if p is sampled on it.
+    template <typename SelectProb>
+    Arrival add_whole(const BSDF* bsdf, const Emitter* emitter, const SelectProb& select_prob,
+                      Float mis_prob) {
         const auto [ds, weight] = emitter->sample_direction(si_, sampler_->next_2d());
         if (!(ds.pdf > 0.0f)) return {};
-        return add_if_visible(bsdf, ds.p, ds.d, weight / select_prob, mis_prob * ds.pdf, ds.delta);
+        const Float prob = select_prob(ds.p);
+        if (!(prob > 0.0f)) return {};
+        return add_if_visible(bsdf, ds.p, ds.d, weight / prob, mis_prob * ds.pdf, ds.delta);
     }
 
     /// Adds light from one of the emitters without a place.
@@ -213,8 +230,10 @@ class ScalarPath {
                 u -= unplaced[chosen++].prob;
             }
         }
-        const auto& [emitter, prob] = unplaced[chosen];
-        add_whole(bsdf, emitter, prob, prob);
+        const auto& unplaced_emitter = unplaced[chosen];
+        const Float prob = unplaced_emitter.prob;
+        add_whole(
+            bsdf, unplaced_emitter.emitter, [prob](const Point3f&) { return prob; }, prob);
     }
 
     /// Adds light from a sample if nothing hides it: `weight` is its radiance divided by its
