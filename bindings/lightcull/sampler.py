@@ -91,9 +91,8 @@ class LightSelector:
 
         selections: what `select` returned for these points, or a part of both; where prob is 0
         nothing is reported. visibility: float32 (N,), the share of the light's rays that arrived,
-        in [0, 1]: 0 where a shadow ray was blocked, 1 or a transmittance where not; not a number
-        where none was traced, since the light would have given the point nothing. What was learned
-        is used from the next `begin_pass` on.
+        in [0, 1]: 0 where a shadow ray was blocked, 1 or a transmittance where not. What was
+        learned is used from the next `begin_pass` on.
         """
         self._core.report(positions, normals, selections, visibility)
 
@@ -144,15 +143,6 @@ class LightSelector:
     def wants_reports(self) -> bool:
         """False if `report` need not be called: the sampler does not learn, or not now."""
         return self._core.wants_reports()
-
-    @property
-    def changes(self) -> int:
-        """How often `select` has come to choose otherwise for what was reported. Numbers u that
-        cover [0, 1) evenly from pass to pass have to begin anew where this has changed: a pass is
-        unbiased only if its numbers do not depend on those from which it was learned. Independent
-        ones never do.
-        """
-        return self._core.changes()
 
     def __repr__(self) -> str:
         return f"<lightcull.LightSampler {self.description!r}: {self.light_count} lights>"

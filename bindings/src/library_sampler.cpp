@@ -58,10 +58,9 @@ struct Functions {
     decltype(&lightcull_needs_receipt) needs_receipt;
     decltype(&lightcull_select_many) select_many;
     decltype(&lightcull_prob) prob;
-    // These may be missing.
+    // These two may be missing.
     decltype(&lightcull_wants_reports) wants_reports;
     decltype(&lightcull_report) report;
-    decltype(&lightcull_changes) changes;
 
     explicit Functions(const std::string& path) {
         void* const handle = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
@@ -84,7 +83,6 @@ struct Functions {
         find("lightcull_prob", prob);
         find_if_there("lightcull_wants_reports", wants_reports);
         find_if_there("lightcull_report", report);
-        find_if_there("lightcull_changes", changes);
     }
 };
 
@@ -136,9 +134,6 @@ class ForeignSampler final : public LightSampler {
     bool wants_reports() const noexcept override {
         return call_.report != nullptr && call_.wants_reports != nullptr &&
                call_.wants_reports(pass_) != 0;
-    }
-    std::uint32_t changes() const noexcept override {
-        return call_.changes != nullptr ? call_.changes(pass_) : 0;
     }
     void report(Span<const LightOutcome> outcomes) const noexcept override {
         call_.report(pass_, reinterpret_cast<const lightcull_outcome*>(outcomes.data()),

@@ -50,12 +50,6 @@ class SharedSelector {
         return wants;
     }
 
-    std::uint32_t changes() const {
-        std::uint32_t count = 0;
-        use([&](const LightSelector& selector) { count = selector.changes(); });
-        return count;
-    }
-
   protected:
     mutable std::shared_mutex mutex_;
 
@@ -307,10 +301,7 @@ void report(const SharedSelector& sampler, const py::object& positions, const py
     std::vector<LightOutcome> outcomes;
     for (std::size_t i = 0; i < points.size(); ++i) {
         const float part = parts.span()[i];
-        const bool traced = !std::isnan(part);
-        if (traced && !(part >= 0.0f && part <= 1.0f)) {
-            throw_row_error("visibility", i, "not in [0, 1]");
-        }
+        if (!(part >= 0.0f && part <= 1.0f)) throw_row_error("visibility", i, "not in [0, 1]");
         if (!(selected[i].prob > 0.0f)) continue;
         outcomes.push_back(
             {points[i].position, points[i].normal, selected[i].receipt, selected[i].light, part});
@@ -475,7 +466,6 @@ void bind_sampler(py::module_& module) {
         .def("set_count", &SharedSelector::set_count)
         .def("needs_receipt", &SharedSelector::needs_receipt)
         .def("wants_reports", &SharedSelector::wants_reports)
-        .def("changes", &SharedSelector::changes)
         .def("report", &report);
     py::class_<SharedSampler, SharedSelector>(module, "LightSampler")
         .def("begin_pass", &SharedSampler::begin_pass)

@@ -4,15 +4,13 @@
 #include <cstdint>
 
 #include "base/random.h"
-#include "base/scramble.h"
 
 /// Sobol' points, scrambled as Owen does. All is arithmetic on integers, the same on any machine.
 
 namespace lightcull {
 
 constexpr std::uint32_t reversed_bits(std::uint32_t x) noexcept {
-    x = x << 16 | x >> 16;
-    x = (x & 0x00ff00ffu) << 8 | (x >> 8 & 0x00ff00ffu);
+    x = x << 24 | (x & 0xff00u) << 8 | (x >> 8 & 0xff00u) | x >> 24;
     x = (x & 0x0f0f0f0fu) << 4 | (x >> 4 & 0x0f0f0f0fu);
     x = (x & 0x33333333u) << 2 | (x >> 2 & 0x33333333u);
     return (x & 0x55555555u) << 1 | (x >> 1 & 0x55555555u);
@@ -73,6 +71,21 @@ class SobolMatrices {
 
 inline constexpr SobolMatrices kSobol;
 
+/// The place of a point in a sequence, made once for the points of many keys.
+class SobolIndex {
+  public:
+    constexpr explicit SobolIndex(std::uint64_t index) noexcept
+        : sequence_(index < kLength ? 0 : mix(index / kLength)),
+          reversed_(reversed_bits(static_cast<std::uint32_t>(index % kLength))) {}
+
+  private:
+    friend class SobolPoint;
+    static constexpr std::uint64_t kLength = std::uint64_t{1} << SobolMatrices::kBits;
+
+    std::uint64_t sequence_;
+    std::uint32_t reversed_;
+};
+
 /// A point of [0, 1)^4 from a sequence of its own for each key: Sobol's with its order shuffled and
 /// its coordinates scrambled (Burley 2020, "Practical hash-based Owen scrambling"). Each point is
 /// uniform, points of different keys are independent, and those of one key cover the cube evenly:
@@ -83,15 +96,17 @@ class SobolPoint {
   public:
     static constexpr std::uint32_t kDimensions = SobolMatrices::kDimensions;
 
-    constexpr SobolPoint(std::uint64_t key, std::uint64_t index) noexcept
-        : key_(index < kLength ? key : hash(key, index / kLength)),
-          index_(shuffled(static_cast<std::uint32_t>(index % kLength),
-                          static_cast<std::uint32_t>(key_ >> 32))) {}
+    /// key: a hash, whose bits are all random.
+    constexpr SobolPoint(std::uint64_t key, const SobolIndex& index) noexcept
+        : key_(key ^ index.sequence_),
+          index_(reversed_bits(
+                     scramble_upwards(index.reversed_, static_cast<std::uint32_t>(key_ >> 32))) %
+                 static_cast<std::uint32_t>(SobolIndex::kLength)) {}
 
     /// A coordinate, as a fraction of 2^32.
     constexpr std::uint32_t bits(std::uint32_t dimension) const noexcept {
         assert(dimension < kDimensions);
-        const std::uint32_t seed = scramble(static_cast<std::uint32_t>(key_) + dimension);
+        const std::uint32_t seed = static_cast<std::uint32_t>(key_) * kMultipliers[dimension];
         return reversed_bits(scramble_upwards(kSobol.reversed_coordinate(index_, dimension), seed));
     }
 
@@ -107,12 +122,9 @@ class SobolPoint {
     }
 
   private:
-    static constexpr std::uint64_t kLength = std::uint64_t{1} << SobolMatrices::kBits;
-
-    static constexpr std::uint32_t shuffled(std::uint32_t index, std::uint32_t seed) noexcept {
-        return reversed_bits(scramble_upwards(reversed_bits(index), seed)) %
-               static_cast<std::uint32_t>(kLength);
-    }
+    /// Odd numbers, which make other seeds of one.
+    static constexpr std::uint32_t kMultipliers[kDimensions]{0x9e3779b1u, 0x85ebca77u, 0xc2b2ae3du,
+                                                             0x27d4eb2fu};
 
     std::uint64_t key_;
     std::uint32_t index_;

@@ -51,15 +51,14 @@ std::vector<ShadingPoint> path_points(const Scene& scene, const RenderSettings& 
     const CameraRays camera(scene.camera(), walk.width, walk.height);
     std::vector<V3f> pixels(std::size_t{walk.width} * walk.height);
     constexpr std::uint64_t kFirstPass = 0;
-    const std::uint64_t key = hash(walk.seed, kFirstPass);
     const Pass pass{data_of(scene),
                     walk,
                     PassRays(camera, walk, kFirstPass),
                     sampler,
                     nullptr,
                     kFirstPass,
-                    key,
-                    key,
+                    hash(walk.seed, kFirstPass),
+                    numbers_key(walk, kFirstPass),
                     nullptr,
                     pixels.data(),
                     nullptr};

@@ -7,7 +7,6 @@
 #include <lightcull/sets.h>
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 #include <variant>
 
@@ -26,6 +25,7 @@ void Wavefront::start(const Pass& pass, const Tile& tile) {
     depth_ = 0;
     for (std::uint32_t y0 = tile.y0; y0 < tile.y1; y0 += kBlock) {
         for (std::uint32_t x0 = tile.x0; x0 < tile.x1; x0 += kBlock) {
+            if (pass.one_in > 1 && hash(pass.key, x0, y0) % pass.one_in != 0) continue;
             for (std::uint32_t y = y0; y < std::min(y0 + kBlock, tile.y1); ++y) {
                 for (std::uint32_t x = x0; x < std::min(x0 + kBlock, tile.x1); ++x) {
                     const std::uint32_t pixel = y * pass_->settings.width + x;
@@ -40,6 +40,7 @@ void Wavefront::start(const Pass& pass, const Tile& tile) {
 bool Wavefront::advance() {
     if (rays_.empty() || pass_->cancelled()) return false;
     ++depth_;
+    numbers_ = {pass_->numbers_key, pass_->number, depth_};
     intersect();
     add_emission();
     if (depth_ == pass_->settings.max_depth) return false;
@@ -188,20 +189,16 @@ void Wavefront::add_direct_light() {
     for (std::size_t j = 0; j < shadow_rays_.size(); ++j) {
         if (occluded_[j] == 0) pass_->pixels[contributions_[j].pixel] += contributions_[j].value;
     }
-    if (pass_->reports && pass_->sampler.wants_reports()) report_visibility();
+    if (pass_->reports) report_visibility();
 }
 
 void Wavefront::report_visibility() {
     outcomes_.clear();
-    std::size_t j = 0;
-    for (std::uint32_t vertex = 0; vertex < points_.size(); ++vertex) {
+    for (std::size_t j = 0; j < contributions_.size(); ++j) {
+        const std::uint32_t vertex = contributions_[j].vertex;
+        if (vertex == kNone) continue;
         const Selection& selection = selections_[vertex];
-        float visibility = std::numeric_limits<float>::quiet_NaN();
-        while (j < contributions_.size() && contributions_[j].vertex == kNone) ++j;
-        if (j < contributions_.size() && contributions_[j].vertex == vertex) {
-            visibility = occluded_[j++] == 0 ? 1.0f : 0.0f;
-        }
-        if (!(selection.prob > 0.0f)) continue;
+        const float visibility = occluded_[j] == 0 ? 1.0f : 0.0f;
         outcomes_.push_back({points_[vertex].position, points_[vertex].normal, selection.receipt,
                              selection.light, visibility});
     }
@@ -267,9 +264,9 @@ void Wavefront::scatter() {
         const Path& path = path_of(k);
         const Surface& surface = surfaces_[k];
         const PixelNumbers numbers = numbers_of(path.pixel);
-        const PixelNumbers::Scatter u = numbers.scatter();
         const float share = ray_share(surface);
-        if (u.last_ray >= share) continue;
+        if (share < 1.0f && numbers.last_ray() >= share) continue;
+        const PixelNumbers::Scatter u = numbers.scatter();
         const BsdfSample s = surface.bsdf.sample(u.lobe, u.direction);
         V3f throughput = path.throughput * s.weight * (1.0f / share);
         if (throughput == V3f(0.0f) || s.direction.dot(surface.normal) <= 0.0f) continue;

@@ -76,7 +76,7 @@ class SamplerLibrary:
     It defines functions of `lightcull/lightcull.h` in its own way: lightcull_sampler_create,
     _destroy, _begin_pass and _current_pass, lightcull_set_count, lightcull_needs_receipt,
     lightcull_select_many, lightcull_prob and lightcull_last_error; and, if it learns,
-    lightcull_wants_reports, lightcull_report and lightcull_changes.
+    lightcull_wants_reports and lightcull_report.
 
     path: of the file. description: what its lightcull_sampler_create is given.
     """

@@ -67,9 +67,7 @@ struct LightOutcome {
     Receipt receipt;          ///< Selection::receipt
     std::uint32_t light = 0;  ///< Selection::light
     float visibility = 0.0f;  ///< share of the light's rays that arrived, [0, 1]: 0 where a shadow
-                              ///< ray was blocked, 1 or a transmittance where not; not a number
-                              ///< where none was traced, since the light would have given the
-                              ///< point nothing: then only that the point is there is of use
+                              ///< ray was blocked, 1 or a transmittance where not
 };
 
 /// Chooses lights for shading points by random ranges that do not change: a pass of a LightSampler.
@@ -127,12 +125,6 @@ class LIGHTCULL_EXPORT LightSelector {
 
     /// False if report() need not be called: the sampler does not learn, or not from this pass.
     virtual bool wants_reports() const noexcept { return false; }
-
-    /// How often select() has come to choose otherwise for what was reported. A pass is unbiased
-    /// only if its numbers u, and those that chose places on lights, do not depend on the numbers
-    /// from which it was learned: numbers that are independent from pass to pass never do; those
-    /// that cover [0, 1) evenly over passes have to begin anew where this has changed.
-    virtual std::uint32_t changes() const noexcept { return 0; }
 
     /// False if no selection of this pass can have had this receipt.
     virtual bool knows(const Receipt& receipt) const noexcept { return receipt.key < set_count(); }

@@ -218,9 +218,7 @@ typedef struct LIGHTCULL_C_STRUCT lightcull_outcome {
     lightcull_receipt receipt;  ///< of the selection
     uint32_t light;             ///< of the selection
     float visibility;  ///< share of the light's rays that arrived, [0, 1]: 0 where a shadow
-                       ///< ray was blocked, 1 or a transmittance where not; not a number
-                       ///< where none was traced, since the light would have given the point
-                       ///< nothing
+                       ///< ray was blocked, 1 or a transmittance where not
 } lightcull_outcome;
 
 /* ---- samplers -------------------------------------------------------------------------------- */
@@ -355,10 +353,6 @@ LIGHTCULL_C_API void lightcull_sampler_drop_reports(lightcull_sampler* sampler);
 /// 0 if lightcull_report() need not be called: the sampler does not learn, or not from this pass;
 /// else 1.
 LIGHTCULL_C_API int lightcull_wants_reports(const lightcull_pass* pass);
-
-/// How often selection has come to choose otherwise for what was reported of earlier passes:
-/// numbers u that cover [0, 1) evenly from pass to pass have to begin anew where this has changed.
-LIGHTCULL_C_API uint32_t lightcull_changes(const lightcull_pass* pass);
 
 /* ---- hot calls ------------------------------------------------------------------------------- */
 

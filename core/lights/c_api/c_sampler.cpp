@@ -163,10 +163,6 @@ int lightcull_wants_reports(const lightcull_pass* pass) {
     return to_cpp(pass)->wants_reports() ? 1 : 0;
 }
 
-uint32_t lightcull_changes(const lightcull_pass* pass) {
-    return to_cpp(pass)->changes();
-}
-
 void lightcull_report(const lightcull_pass* pass, const lightcull_outcome* outcomes, size_t count) {
     to_cpp(pass)->report({to_cpp(outcomes), count});
 }

@@ -184,25 +184,38 @@ bool is_far(const MeansNode& node, std::size_t i, const CutPlace& place) noexcep
     return facing + root > 2.0f * least * length(normal);
 }
 
-/// The columns of places in the order in which choose() goes through them: numbers that are close
-/// choose clusters of one column, from the first row on.
-constexpr std::array<std::uint8_t, CutWeights::kStride> kColumns{0, 8, 4, 12, 2, 10, 6, 14,
-                                                                 1, 9, 5, 13, 3, 11, 7, 15};
+/// The index of i < 2^bits with its bits reversed: sums of halves are gone through in that order.
+constexpr std::uint32_t reversed(std::uint32_t i, std::uint32_t bits) noexcept {
+    std::uint32_t r = 0;
+    for (std::uint32_t bit = 0; bit < bits; ++bit) r |= (i >> bit & 1u) << (bits - 1 - bit);
+    return r;
+}
 
-/// The places from `begin` to `end`, in the order in which choose() goes through them where there
-/// are no others. Both begin a row, but `end` may lie within the last one.
+/// Calls visit(place) for the places from `begin` to `end`, run by run. `begin` begins a block.
 template <typename Visit>
 void for_each_place(std::uint32_t begin, std::uint32_t end, const Visit& visit) {
-    constexpr auto kStride = static_cast<std::uint32_t>(CutWeights::kStride);
-    for (const std::uint8_t column : kColumns) {
-        for (std::uint32_t at = begin + column; at < end; at += kStride) visit(at);
+    for (std::uint32_t column = 0; column < ClusterCut::kBlock; ++column) {
+        for (std::uint32_t at = begin + column; at < end; at += ClusterCut::kBlock) visit(at);
     }
 }
 
+/// Puts the runs of a cut in order, by the clusters of their first places.
+void order_runs(ClusterCut& cut) noexcept {
+    constexpr std::uint32_t kRuns = CutWeights::kRuns, kBits = 5;
+    static_assert(kRuns == 1u << kBits);
+    std::array<std::pair<std::uint32_t, std::uint8_t>, kRuns> order;
+    for (std::uint8_t run = 0; run < kRuns; ++run) {
+        const std::uint32_t place =
+            run < ClusterCut::kBlock ? run : cut.near_size + run - ClusterCut::kBlock;
+        order[run] = {place < cut.size ? cut.cluster_at[place] : ClusterCut::kMaxSize, run};
+    }
+    std::sort(order.begin(), order.end());
+    for (std::uint32_t i = 0; i < kRuns; ++i) cut.run[reversed(i, kBits)] = order[i].second;
+}
+
 /// Gives each cluster of a cut its place: near ones first, with those next to the cell where they
-/// do not fill their blocks. Among the near ones, and among the others, they lie so that choose()
-/// goes through them in the order of the tree's leaves: numbers that are close choose lights that
-/// are. Sets far_scale as it is where `scale` is 1.
+/// do not fill their blocks. The clusters of a run are next to each other in the order of the
+/// tree's leaves. Sets far_scale as it is where `scale` is 1.
 void find_places(const LightBvh<MeansNode>& bvh, const CutPlace& place, const GivenToPlace& given,
                  ClusterCut& cut) noexcept {
     float by_cosine[ClusterCut::kMaxSize];  // of clusters that may be far; 0: others
@@ -235,6 +248,7 @@ void find_places(const LightBvh<MeansNode>& bvh, const CutPlace& place, const Gi
     };
     for_each_place(0, first_far, place_next);
     for_each_place(first_far, cut.size, place_next);
+    order_runs(cut);
 }
 
 class CutBuilder {

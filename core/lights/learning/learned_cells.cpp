@@ -52,6 +52,7 @@ LearnedLights::LearnedLights(const Frame& f, std::shared_ptr<const LightGroups> 
 LearnedCells::LearnedCells(const LearningLimits& limits)
     : limits_(limits),
       lattice_(kFirstSize),
+      fresh_(nullptr),
       new_cells_(limits.rounds > 0 ? std::make_unique<NewCells>() : nullptr) {
 }
 
@@ -62,17 +63,15 @@ LearnedCells::LearnedCells(const LearnedCells& other)
       places_(other.places_),
       cuts_(other.cuts_),
       evidence_(other.evidence_),
+      fresh_(other.fresh_ ? new Fresh[other.size()] : nullptr),
       new_cells_(other.new_cells_ ? std::make_unique<NewCells>() : nullptr),
       reported_(other.reported_.load()),
       round_(other.round_),
-      published_(other.published_),
-      changes_(other.changes_) {
-    for (const Fresh& from : other.fresh_) {
-        Fresh& to = fresh_.emplace_back();
+      published_(other.published_) {
+    for (std::size_t i = 0; fresh_ && i < size(); ++i) {
         for (std::size_t k = 0; k < ClusterCut::kMaxSize; ++k) {
-            to.of[k] = from.of[k].load(std::memory_order_relaxed);
+            fresh_[i].of[k] = other.fresh_[i].of[k].load(std::memory_order_relaxed);
         }
-        to.points = from.points.load(std::memory_order_relaxed);
     }
     if (new_cells_) new_cells_->restore(other.new_cells_->cells());
 }
@@ -91,8 +90,7 @@ std::uint32_t LearnedCells::find(const float3& position, const float3& normal,
 void LearnedCells::report(const LearnedLights& lights, const LightOutcome& outcome,
                           std::uint32_t cell) noexcept {
     if (new_cells_ == nullptr) return;
-    const bool traced = !std::isnan(outcome.visibility);
-    const bool valid = (!traced || (outcome.visibility >= 0.0f && outcome.visibility <= 1.0f)) &&
+    const bool valid = outcome.visibility >= 0.0f && outcome.visibility <= 1.0f &&
                        is_finite(outcome.position) && is_finite(outcome.normal) &&
                        outcome.light < lights.bvh().slots.size() &&
                        lights.bvh().slots[outcome.light] != LightBvh<MeansNode>::kNoSlot &&
@@ -102,15 +100,12 @@ void LearnedCells::report(const LearnedLights& lights, const LightOutcome& outco
         reported_.store(true, std::memory_order_relaxed);
     }
     if (cell != kNone) {
-        fresh_[cell].points.fetch_add(1, std::memory_order_relaxed);
-    }
-    if (cell != kNone && traced) {
         const std::uint32_t leaf = lights.leaves.first(lights.bvh().slots[outcome.light]);
         const std::uint32_t cluster = cuts_[cell].cluster_of_leaf(leaf);
         const auto hits = static_cast<std::uint64_t>(std::lround(outcome.visibility * kParts));
         fresh_[cell].of[cluster].fetch_add((hits << 32) + 1, std::memory_order_relaxed);
+        if (!tree_.is_divided(cell)) return;
     }
-    if (cell != kNone && !tree_.is_divided(cell)) return;
     const float3 x = lights.frame.position(outcome.position);
     const CellPlace place = lattice_.place(x, outcome.normal);
     const std::uint32_t found = tree_.find(place);
@@ -121,9 +116,8 @@ void LearnedCells::report(const LearnedLights& lights, const LightOutcome& outco
 
 void LearnedCells::drop_reports() noexcept {
     if (!reported_) return;
-    for (Fresh& fresh : fresh_) {
-        for (auto& number : fresh.of) number.store(0, std::memory_order_relaxed);
-        fresh.points.store(0, std::memory_order_relaxed);
+    for (std::size_t i = 0; i < size(); ++i) {
+        for (auto& number : fresh_[i].of) number.store(0, std::memory_order_relaxed);
     }
     if (new_cells_) new_cells_->clear();
     reported_ = false;
@@ -136,41 +130,43 @@ bool LearnedCells::due() const noexcept {
 void LearnedCells::learn(const LearnedLights& lights) {
     if (!reported_ || new_cells_ == nullptr) return;
     ++round_;
+    take_reports();
     reported_ = false;
-    divide_crowded();
     const bool last = round_ >= limits_.rounds;
     // Cuts change after half as many rounds again: what is learned of a cut is of use only if the
     // cut stays for a while.
     if (round_ >= published_ + std::max(1u, published_ / 2) || last) {
-        take_reports();
         rebuild_cuts(lights);
         published_ = round_;
-        ++changes_;
     }
     make_cells(lights);
     if (last) {
         new_cells_.reset();
-        fresh_.clear();
+        fresh_.reset();
         evidence_ = {};
     }
 }
 
-void LearnedCells::divide_crowded() {
-    for (std::uint32_t i = 0; i < size(); ++i) {
-        if (fresh_[i].points.exchange(0, std::memory_order_relaxed) > kCrowd) divide(i);
-    }
-}
-
 void LearnedCells::take_reports() {
+    std::vector<std::uint8_t> crowded(size());
     for_each_block(size(), kBlock, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
+            std::uint64_t count = 0;
             for (std::uint32_t k = 0; k < cuts_[i].size; ++k) {
-                const std::uint64_t fresh = fresh_[i].of[k].exchange(0, std::memory_order_relaxed);
-                evidence_[i].of[k].tries += static_cast<float>(fresh & 0xffffffffu);
+                const std::uint64_t fresh = fresh_[i].of[k].load(std::memory_order_relaxed);
+                if (fresh == 0) continue;
+                fresh_[i].of[k].store(0, std::memory_order_relaxed);
+                const std::uint64_t tries = fresh & 0xffffffffu;
+                evidence_[i].of[k].tries += static_cast<float>(tries);
                 evidence_[i].of[k].hits += static_cast<float>(fresh >> 32) / kParts;
+                count += tries;
             }
+            crowded[i] = count > kCrowd ? 1 : 0;
         }
     });
+    for (std::uint32_t i = 0; i < size(); ++i) {
+        if (crowded[i] != 0) divide(i);
+    }
 }
 
 void LearnedCells::divide(std::uint32_t cell) {
@@ -223,7 +219,7 @@ void LearnedCells::make_cells(const LearnedLights& lights) {
             rebuild_cut(lights.bvh(), lights.leaves, places_[cell], cuts_[cell], evidence_[cell]);
         }
     });
-    while (fresh_.size() < size()) fresh_.emplace_back();
+    fresh_.reset(new Fresh[size()]);
 }
 
 std::uint32_t LearnedCells::add_cell(const MetCell& met) {
@@ -262,7 +258,7 @@ void LearnedCells::learn_anew() {
         drop_reports();
     } else {
         new_cells_ = std::make_unique<NewCells>();
-        while (fresh_.size() < size()) fresh_.emplace_back();
+        fresh_.reset(new Fresh[size()]);
         evidence_.reserve(most_cells());
         evidence_.resize(size());
         for (std::size_t i = 0; i < size(); ++i) {
@@ -275,12 +271,11 @@ void LearnedCells::learn_anew() {
         for (Evidence& known : cell.of) known = known.at_most(kRays);
     }
     round_ = published_ = 0;
-    ++changes_;
 }
 
 std::size_t LearnedCells::memory_size() const noexcept {
     return tree_.memory_size() + size_of(places_) + size_of(cuts_) + size_of(evidence_) +
-           fresh_.size() * sizeof(Fresh) + (new_cells_ ? NewCells::memory_size() : 0);
+           (fresh_ ? size() * sizeof(Fresh) : 0) + (new_cells_ ? NewCells::memory_size() : 0);
 }
 
 std::size_t LearnedCells::memory_limit() const noexcept {

@@ -6,7 +6,6 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -86,15 +85,10 @@ class LearnedCells {
         return learning() && round_ + (due() ? 1 : 0) < limits_.rounds;
     }
 
-    /// How often what was reported has changed the cells that there were.
-    std::uint32_t changes() const noexcept { return changes_; }
-
     /// The number of rounds that have ended.
     std::uint32_t round() const noexcept { return round_; }
-    /// Ends a round: cells are made where points were met, and from time to time what has been
-    /// reported changes all. Between such changes what cells know depends on where points lie, but
-    /// not on what was reported of them: see SamplerInfo::changes(). Runs in the caller's TBB
-    /// arena; the result does not depend on it.
+    /// Ends a round: from time to time, what has been reported changes the cells. Runs in the
+    /// caller's TBB arena; the result does not depend on it.
     void learn(const LearnedLights& lights);
     /// Fits the cuts to lights that have moved in a tree of the same topology.
     void refresh(const LearnedLights& lights);
@@ -115,17 +109,15 @@ class LearnedCells {
     std::size_t memory_limit() const noexcept;
 
   private:
-    /// The shadow rays to each cluster since the last change, tries in the lower half and hits in
-    /// kParts in the upper, and the points of the round.
+    /// The shadow rays to each cluster in the round: tries in the lower half, and hits in
+    /// kParts in the upper.
     struct Fresh {
         std::atomic<std::uint64_t> of[ClusterCut::kMaxSize]{};
-        std::atomic<std::uint32_t> points{0};
     };
     static constexpr float kParts = 64.0f;
     /// Points are sorted by their cell in 20 bits.
     static constexpr std::uint32_t kMostCells = (1u << 20) - 1;
 
-    void divide_crowded();
     void take_reports();
     /// Lets finer cells be made within a cell, if there are any.
     void divide(std::uint32_t cell);
@@ -144,12 +136,11 @@ class LearnedCells {
     std::vector<CutPlace> places_;
     std::vector<ClusterCut> cuts_;
     std::vector<CutEvidence> evidence_;
-    std::deque<Fresh> fresh_;              ///< empty when learning has come to rest
+    std::unique_ptr<Fresh[]> fresh_;
     std::unique_ptr<NewCells> new_cells_;  ///< null when learning has come to rest
     std::atomic<bool> reported_{false};    ///< there were reports since the last round
     std::uint32_t round_ = 0;              ///< rounds with reports so far
-    std::uint32_t published_ = 0;          ///< round in which all cells last changed
-    std::uint32_t changes_ = 0;
+    std::uint32_t published_ = 0;          ///< round in which the cells last changed
 };
 
 }  // namespace lightcull

@@ -57,13 +57,11 @@ void LearnedCells::save(ByteWriter& out) const {
     out.write(lattice_.edge(0));
     out.write(round_);
     out.write(published_);
-    out.write(changes_);
     out.write(std::uint8_t{learning()});
     out.write(std::uint8_t{reported_});
     out.write(size());
     for (std::uint32_t cell = 0; cell < size(); ++cell) save_cell(out, cell);
     if (!learning()) return;
-    for (const Fresh& fresh : fresh_) out.write(fresh.points.load(std::memory_order_relaxed));
     const std::vector<MetCell> met = new_cells_->cells();
     out.write(static_cast<std::uint32_t>(met.size()));
     for (const MetCell& cell : met) lightcull::save(out, cell);
@@ -92,13 +90,13 @@ std::shared_ptr<LearnedCells> LearnedCells::load(ByteReader& in, const LearningL
     cells->lattice_ = CellLattice(edge);
     cells->round_ = in.read<std::uint32_t>();
     cells->published_ = in.read<std::uint32_t>();
-    cells->changes_ = in.read<std::uint32_t>();
     if (in.read<std::uint8_t>() == 0) cells->new_cells_.reset();
     cells->reported_ = in.read<std::uint8_t>() != 0;
     const auto count = in.read<std::uint32_t>();
     // A cell takes more bytes than one, so that a number out of thin air asks for no memory.
     if (!in.ok() || count > in.left() || count > kMostCells) return nullptr;
     if (cells->learning()) {
+        cells->fresh_.reset(new Fresh[count]);
         cells->evidence_.reserve(count);
     }
     for (std::uint32_t cell = 0; cell < count; ++cell) {
@@ -106,7 +104,6 @@ std::shared_ptr<LearnedCells> LearnedCells::load(ByteReader& in, const LearningL
     }
     cells->refresh(lights);
     if (cells->learning()) {
-        for (Fresh& fresh : cells->fresh_) fresh.points = in.read<std::uint32_t>();
         std::vector<MetCell> met;
         for (auto left = in.read<std::uint32_t>(); left > 0 && in.ok(); --left) {
             met.push_back(load_met_cell(in));
@@ -125,10 +122,7 @@ bool LearnedCells::load_cell(ByteReader& in, const LearnedLights& lights) {
     if (divided) tree_.divide(cell);
     places_.push_back(in.read<CutPlace>());
     ClusterCut& cut = cuts_.emplace_back();
-    if (learning()) {
-        evidence_.emplace_back();
-        fresh_.emplace_back();
-    }
+    if (learning()) evidence_.emplace_back();
     const auto size = in.read<std::uint32_t>();
     if (size > ClusterCut::kMaxSize) return false;
     for (std::uint32_t i = 0; i < size; ++i) {

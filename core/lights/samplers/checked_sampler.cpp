@@ -122,7 +122,6 @@ class CheckedPass final : public LightSelector {
         inner_->report(outcomes);
     }
     bool wants_reports() const noexcept override { return inner_->wants_reports(); }
-    std::uint32_t changes() const noexcept override { return inner_->changes(); }
     bool knows(const Receipt& receipt) const noexcept override { return inner_->knows(receipt); }
     std::uint32_t set_count() const noexcept override { return inner_->set_count(); }
 
@@ -173,7 +172,6 @@ class CheckedSampler final : public LightSampler {
         has_pass_ = false;
     }
     bool wants_reports() const noexcept override { return inner_->wants_reports(); }
-    std::uint32_t changes() const noexcept override { return inner_->changes(); }
     bool knows(const Receipt& receipt) const noexcept override { return inner_->knows(receipt); }
     std::uint32_t set_count() const noexcept override { return inner_->set_count(); }
 

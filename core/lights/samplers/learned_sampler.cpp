@@ -101,7 +101,6 @@ class LearnedPass final : public LightSelector, public SamplerInfo {
     }
 
     bool wants_reports() const noexcept override { return cells_->learning(); }
-    std::uint32_t changes() const noexcept override { return cells_->changes(); }
 
     bool knows(const Receipt& receipt) const noexcept override {
         if (!is_cell(receipt)) return fallback_->knows(receipt);
@@ -222,7 +221,7 @@ class LearnedPass final : public LightSelector, public SamplerInfo {
         descent.child = LightBvhNode::kLight;
         if (!(weights.total() > 0.0f)) return;
         const ClusterCut& cut = cut_of(cell);
-        const CutChoice choice = choose(weights, number);
+        const CutChoice choice = choose(cut, weights, number);
         descent.place = choice.within;
         descent.prob =
             static_cast<double>(weights.of[choice.place]) / static_cast<double>(weights.total());
@@ -376,7 +375,6 @@ class LearnedSampler final : public LightSampler, public SamplerInfo {
         constexpr std::uint32_t kAll = 32, kOneIn = 4;
         return cells_->learning() && (cells_->round() < kAll || passes_ % kOneIn == 0);
     }
-    std::uint32_t changes() const noexcept override { return cells_->changes(); }
     bool knows(const Receipt& receipt) const noexcept override { return current_->knows(receipt); }
     std::uint32_t set_count() const noexcept override { return culled_->set_count(); }
     SelectionCounts count(const ShadingPoint& point) const noexcept override {
@@ -396,7 +394,7 @@ class LearnedSampler final : public LightSampler, public SamplerInfo {
     }
 
   private:
-    static constexpr std::uint64_t kStateVersion = 0x32306c6c7563u;
+    static constexpr std::uint64_t kStateVersion = 0x31306c6c7563u;
 
     bool learns() const noexcept {
         // Among so few there is less to gain by learning than it costs.

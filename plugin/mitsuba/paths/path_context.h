@@ -19,12 +19,12 @@ struct PathContext {
     const Scene<Float, Spectrum>* scene = nullptr;
     const SceneLights<Float, Spectrum>* lights = nullptr;
     const ::lightcull::LightSampler* light_sampler = nullptr;  ///< null: the kernel chooses
-    /// What the light sampler asks of its host, as `paper` does; null: nothing.
-    const ::lightcull::VertexCulling* vertex_culling = nullptr;
     std::uint32_t max_depth = 0;  ///< this and the next two mean what they mean to Mitsuba's `path`
     std::uint32_t rr_depth = 0;
     bool hide_emitters = false;
     bool has_lobes = false;  ///< whether a surface has a glossy lobe to tell light_sampler of
+    /// What the light sampler asks of its host, as `paper` does; null: nothing.
+    const ::lightcull::VertexCulling* vertex_culling = nullptr;
 };
 
 }  // namespace mitsuba::culling

@@ -244,8 +244,7 @@ class LightcullPath final : public MonteCarloIntegrator<Float, Spectrum> {
     PathContext<Float, Spectrum> context(const Scene* scene,
                                          const SceneLights<Float, Spectrum>& lights,
                                          bool has_lobes) const {
-        return {this,        scene,      &lights,         nullptr,  nullptr,
-                m_max_depth, m_rr_depth, m_hide_emitters, has_lobes};
+        return {this, scene, &lights, nullptr, m_max_depth, m_rr_depth, m_hide_emitters, has_lobes};
     }
 
     /// Traces paths for whoever asks, as another integrator does around this one. Nobody tells of

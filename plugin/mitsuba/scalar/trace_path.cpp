@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "arrays/variants.h"
+#include "paths/draw_place.h"
 #include "paths/mis_weight.h"
 #include "scene/surface_receiver.h"
 #include "scene/triangle_pdf.h"
@@ -166,7 +167,8 @@ class ScalarPath {
                          Float mis_prob) {
         const auto& [index, corners] = context_.lights->triangles()[selection_.light];
         const auto& [a, b, c] = corners;
-        const auto [place, density] = draw_place();
+        const auto [place, density] =
+            draw_place(context_.lights->places(), selection_.light, sampler_);
         const Point2f uv(place.x, place.y);
         const Point3f p0(a.x, a.y, a.z), p1(b.x, b.y, b.z), p2(c.x, c.y, c.z);
         const Point3f p = p0 * (1.0f - uv.x() - uv.y()) + p1 * uv.x() + p2 * uv.y();
@@ -185,19 +187,6 @@ class ScalarPath {
         if (!(select_prob > 0.0f)) return {};
         const Spectrum weight = radiance / (select_prob * pdf);
         return add_if_visible(bsdf, p, direction, weight, mis_prob * pdf, false);
-    }
-
-    /// Draws a place on the triangle, or the part of one, that was chosen.
-    TrianglePlaces::Place draw_place() {
-        const TrianglePlaces& places = context_.lights->places();
-        double of_piece = 0.0;
-        if (places.part(selection_.light) != TrianglePlaces::kNone) {
-            // The second number gives digits that the first does not have.
-            of_piece = static_cast<double>(sampler_->next_1d());
-            of_piece += 0x1p-24 * static_cast<double>(sampler_->next_1d());
-        }
-        const Point2f random = sampler_->next_2d();
-        return places.draw(selection_.light, of_piece, random.x(), random.y());
     }
 
     /// The part of the selected light's probability that depends on the place on it.

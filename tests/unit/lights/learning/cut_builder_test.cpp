@@ -72,19 +72,19 @@ double misjudged(const ClusterCut& cut, const Receiver& receiver,
 }
 
 /// Makes the sums of weights.
-void add_up(CutWeights& weights) {
-    constexpr std::uint32_t kStride = CutWeights::kStride;
+void add_up(const ClusterCut& cut, CutWeights& weights) {
+    constexpr std::uint32_t kStride = CutWeights::kStride, kRuns = CutWeights::kRuns;
+    float of_runs[kRuns] = {};
     for (std::uint32_t i = 0; i < weights.size; ++i) {
-        weights.sums[i < weights.near_size ? 0 : 1][i % kStride] += weights.of[i];
+        of_runs[(i < weights.near_size ? 0 : kStride) + i % kStride] += weights.of[i];
     }
-    for (float(&sums)[2 * kStride] : weights.sums) {
-        for (std::size_t from = 0, half = kStride / 2; half > 0; half /= 2) {
-            const std::size_t to = from + 2 * half;
-            for (std::size_t i = 0; i < half; ++i) {
-                sums[to + i] = sums[from + i] + sums[from + half + i];
-            }
-            from = to;
+    for (std::uint32_t i = 0; i < kRuns; ++i) weights.sums[i] = of_runs[cut.run[i]];
+    for (std::size_t from = 0, half = kRuns / 2; half > 0; half /= 2) {
+        const std::size_t to = from + 2 * half;
+        for (std::size_t i = 0; i < half; ++i) {
+            weights.sums[to + i] = weights.sums[from + i] + weights.sums[from + half + i];
         }
+        from = to;
     }
 }
 
@@ -181,20 +181,25 @@ TEST_CASE("a cut's places hold each cluster once, near ones first") {
         CHECK(cut.cluster_at[cut.place_of[i]] == i);
         CHECK((cut.far_scale[i] > 0.0f) == (i >= cut.near_size));
     }
-    // A choice goes through either in the order of the tree's leaves.
+    // A choice goes through them in the order of the tree's leaves, but for runs that overlap.
     CutWeights weights{};
     weights.size = weights.first_opened =
         (cut.size + ClusterCut::kBlock - 1) / ClusterCut::kBlock * ClusterCut::kBlock;
     weights.near_size = cut.near_size;
     for (std::uint32_t i = 0; i < cut.size; ++i) weights.of[i] = 1.0f;
-    add_up(weights);
-    std::vector<std::uint32_t> chosen;
+    add_up(cut, weights);
+    constexpr int kLongestRun = ClusterCut::kMaxSize / ClusterCut::kBlock;
+    std::vector<std::uint8_t> chosen(cut.size);
+    int last = 0, steps_back = 0;
     for (std::uint32_t i = 0; i < cut.size; ++i) {
-        const CutChoice choice = choose(weights, (i + 0.5) / cut.size);
-        chosen.push_back(cut.cluster_at[choice.place]);
+        const CutChoice choice = choose(cut, weights, (i + 0.5) / cut.size);
+        const int cluster = cut.cluster_at[choice.place];
+        ++chosen[static_cast<std::size_t>(cluster)];
+        steps_back += cluster < last ? 1 : 0;
+        last = cluster;
     }
-    CHECK(std::is_sorted(chosen.begin(), chosen.begin() + cut.near_size));
-    CHECK(std::is_sorted(chosen.begin() + cut.near_size, chosen.end()));
+    CHECK(std::all_of(chosen.begin(), chosen.end(), [](int count) { return count == 1; }));
+    CHECK(steps_back <= kLongestRun);
     // A cell that is as wide as all the lights has no far ones.
     rebuild_cut(bvh, LeafOrder(bvh), {{0, 0, 0}, {0, 0, 0}, 1.0f}, cut, evidence);
     CHECK(cut.near_size >= cut.size);
@@ -202,6 +207,10 @@ TEST_CASE("a cut's places hold each cluster once, near ones first") {
 
 TEST_CASE("a choice out of a cut falls on each place as often as its weight says") {
     // As many places as with an odd number of opened nodes: the last row is half of one.
+    ClusterCut cut;
+    for (std::uint8_t i = 0; i < CutWeights::kRuns; ++i) {
+        cut.run[i] = static_cast<std::uint8_t>(7 * i % CutWeights::kRuns);
+    }
     CutWeights weights{};
     weights.near_size = 48;
     weights.first_opened = 112;
@@ -212,11 +221,11 @@ TEST_CASE("a choice out of a cut falls on each place as often as its weight says
         weights.of[i] = static_cast<float>(i % 7 == 3 ? 0 : 1 + i % 5);
         total += weights.of[i];
     }
-    add_up(weights);
+    add_up(cut, weights);
     REQUIRE(weights.total() == total);
     std::vector<float> chosen(weights.size);
     for (float place = 0.0f; place < total; ++place) {
-        const CutChoice choice = choose(weights, double{place + 0.5f} / double{total});
+        const CutChoice choice = choose(cut, weights, double{place + 0.5f} / double{total});
         REQUIRE(choice.place < weights.size);
         CHECK(choice.within >= 0.0);
         CHECK(choice.within < 1.0);
