@@ -172,6 +172,18 @@ class MitsubaScene:
         """Whether there are media, and the integrator of the scene renders them."""
         return self._has_media and self.integrator.kind != PATH
 
+    def _check_attributes(self) -> None:
+        """Raises Error for emitters whose radiance is an attribute of their mesh. Mitsuba asks for
+        it at a point without a shape: it crashes in scalar variants, and loses light in others.
+        """
+        for shape in self.scene.shapes():
+            if shape.is_emitter() and _ATTRIBUTE in str(shape.emitter()):
+                raise Error(
+                    f"sampler {PATH!r}: Mitsuba's own integrators sample no radiance that is an "
+                    f"attribute of a mesh, as that of {shape.id()!r} is: take the scene as it was "
+                    "before merge_emitters"
+                )
+
     def _of_lightcull(self, description: str) -> dict[str, Any]:
         if not self.wants_media:
             # A job is one render to its user, though it is many to Mitsuba.
@@ -206,13 +218,18 @@ class MitsubaScene:
 
     def _new_integrator(self, description: str, **depths: int) -> Any:
         properties: dict[str, Any] = {"type": self.integrator.kind}
-        if description != PATH:
+        if description == PATH:
+            self._check_attributes()
+        else:
             properties = self._of_lightcull(description)
         try:
             return mitsuba().load_dict(properties | self.integrator.properties | depths)
         except RuntimeError as error:
             reason = str(error).splitlines()[0].rsplit("] ", 1)[-1]
             raise Error(f"sampler {description!r}: {reason}") from error
+
+
+_ATTRIBUTE = "MeshAttribute["
 
 
 def _is_of_shape(emitter: Any) -> bool:

@@ -30,12 +30,13 @@ LightRay point_ray(const PointEmitter& point, const V2f& u) noexcept {
 
 LightRay triangle_ray(const SceneData& scene, const TriangleEmitter& emitter,
                       const PathRandom& random) noexcept {
-    V2f u = random.two(Dimension::kLightVertex);
+    const V2f u = random.two(Dimension::kLightVertex);
     TriangleEmitter triangle = emitter;
     V2f b = uniform_triangle(u), in_whole = b;
     float pdf = 1.0f;
     if (has_pieces(emitter)) {
-        const TriangleCuts::Piece piece = scene.cuts.draw(emitter.part, u.x);
+        const double of_piece = random.fine(Dimension::kLightPiece);
+        const TriangleCuts::Piece piece = scene.cuts.draw(emitter.part, of_piece);
         triangle = part_of(emitter, piece.corners);
         const float2 on_piece = TriangleCuts::draw_place(piece, u.x, u.y);
         const float2 place = place_in(piece.corners, on_piece);

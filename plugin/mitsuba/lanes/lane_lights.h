@@ -1,7 +1,5 @@
 #pragma once
 
-#include <mitsuba/core/warp.h>
-
 #include "lanes/chosen_light.h"
 #include "lanes/light_tables.h"
 #include "scene/light_sample.h"
@@ -22,13 +20,31 @@ class LaneLights {
     explicit LaneLights(const LightTables<Float, Spectrum>& tables, bool derives = false)
         : tables_(tables), derives_(derives) {}
 
+    /// Random numbers in [0, 1) for a point on a light.
+    struct Random {
+        Float piece_1, piece_2;  ///< these are not used unless the tables have pieces
+        Point2f place;
+    };
+
+    /// Draws them from what has next_1d() and next_2d().
+    template <typename Source>
+    Random draw_random(Source& source) const {
+        Random random;
+        if (tables_.has_pieces()) {
+            random.piece_1 = source.next_1d();
+            random.piece_2 = source.next_1d();
+        }
+        random.place = source.next_2d();
+        return random;
+    }
+
     /// Samples the lights that were chosen.
     Sample sample_chosen(const Interaction3f& point, const ChosenLight<Float>& chosen,
-                         const Point2f& random, const Mask& active) const {
+                         const Random& random, const Mask& active) const {
         const Mask found = active && chosen.prob > 0.0f;
         const EmitterPtr emitter = tables_.emitter(chosen.light, found);
         if (!tables_.has_triangles()) {
-            return sample_whole(point, emitter, random, chosen.prob, chosen.mis_prob, found);
+            return sample_whole(point, emitter, random.place, chosen.prob, chosen.mis_prob, found);
         }
         const UInt32 triangle = tables_.triangle(chosen.light, found);
         if (!tables_.has_wholes()) {
@@ -37,7 +53,7 @@ class LaneLights {
         const Mask is_triangle = triangle != Tables::kNoTriangle;
         const Mask whole = found && !is_triangle;
         const Sample of_whole =
-            sample_whole(point, emitter, random, chosen.prob, chosen.mis_prob, whole);
+            sample_whole(point, emitter, random.place, chosen.prob, chosen.mis_prob, whole);
         const Sample of_triangle =
             sample_triangle(point, emitter, triangle, chosen, random, found && is_triangle);
         const dr::resume_grad<Float> derivatives(derives_);
@@ -54,8 +70,9 @@ class LaneLights {
   private:
     Sample sample_triangle(const Interaction3f& point, const EmitterPtr& emitter,
                            const UInt32& triangle, const ChosenLight<Float>& chosen,
-                           const Point2f& random, const Mask& active) const {
-        const Point2f uv = warp::square_to_uniform_triangle(random);
+                           const Random& random, const Mask& active) const {
+        const auto [uv, density] =
+            tables_.draw_place(chosen.light, random.piece_1, random.piece_2, random.place, active);
         Sample sample;
         sample.p = tables_.corner(0, chosen.light, active) * (1.0f - uv.x() - uv.y()) +
                    tables_.corner(1, chosen.light, active) * uv.x() +
@@ -72,8 +89,7 @@ class LaneLights {
         const Ray3f ray(point.p, sample.direction, point.time, point.wavelengths);
         const SurfaceInteraction3f at =
             hit.compute_surface_interaction(ray, +RayFlags::All, active);
-        const Float pdf =
-            triangle_pdf(tables_.area(chosen.light, active), at.n, sample.direction, distance);
+        const Float pdf = triangle_pdf(density, at.n, sample.direction, distance);
         sample.active = active && dr::isfinite(pdf);
         sample.pdf = chosen.mis_prob * pdf;
         sample.delta = false;

@@ -7,6 +7,7 @@
 #include "paths/path_context.h"
 #include "scene/surface_receiver.h"
 #include "scene/triangle_pdf.h"
+#include "scene/triangle_point.h"
 
 namespace mitsuba::culling {
 
@@ -34,7 +35,7 @@ class LaneVolumeLights {
             const Float random_1 = sampler->next_1d(active), random_2 = sampler->next_1d(active);
             chosen = bvh_.choose(point.p, receiver, random_1, random_2, active);
         }
-        return lights_.sample_chosen(point, chosen, sampler->next_2d(active), active);
+        return lights_.sample_chosen(point, chosen, lights_.draw_random(*sampler), active);
     }
 
     /// Samples one of the emitters without a place. There must be one.
@@ -58,10 +59,13 @@ class LaneVolumeLights {
             pdf = dr::select(unplaced, entry.prob, 1.0f) *
                   emitter->pdf_direction(point, ds, whole || unplaced);
         }
-        const UInt32 light = entry.first_light + dr::select(triangle, hit.prim_index, 0u);
+        UInt32 light = entry.first_light + dr::select(triangle, hit.prim_index, 0u);
         if (tables_.has_triangles()) {
-            dr::masked(pdf, triangle) =
-                triangle_pdf(tables_.area(light, triangle), hit.n, ds.d, ds.dist);
+            const auto corner = [&](std::uint32_t i) { return tables_.corner(i, light, triangle); };
+            const Point2f uv = barycentric(corner(0), corner(1), corner(2), hit.p);
+            const auto place = tables_.find_place(light, uv, triangle);
+            dr::masked(light, triangle) = place.light;
+            dr::masked(pdf, triangle) = triangle_pdf(place.density, hit.n, ds.d, ds.dist);
         }
         const Mask is_light = triangle || whole;
         dr::masked(pdf, !(is_light || unplaced)) = 0.0f;

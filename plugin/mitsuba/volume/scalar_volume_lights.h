@@ -3,6 +3,7 @@
 #include <mitsuba/core/warp.h>
 #include <mitsuba/render/sampler.h>
 
+#include "paths/draw_place.h"
 #include "paths/path_context.h"
 #include "scene/light_sample.h"
 #include "scene/surface_receiver.h"
@@ -40,9 +41,9 @@ class ScalarVolumeLights {
         }
         if (!(prob > 0.0f)) return sample;
         const auto& source = context_.lights->source_of(light);
-        const Point2f random = sampler->next_2d();
-        return source.mesh ? sample_triangle(point, source, light, random, prob, mis_prob)
-                           : sample_whole(point, source.emitter, random, prob, mis_prob);
+        return source.mesh
+                   ? sample_triangle(point, source, light, sampler, prob, mis_prob)
+                   : sample_whole(point, source.emitter, sampler->next_2d(), prob, mis_prob);
     }
 
     /// Samples one of the emitters without a place. There must be one.
@@ -70,16 +71,26 @@ class ScalarVolumeLights {
             const Float prob = context_.lights->unplaced_prob(emitter);
             return prob > 0.0f ? prob * emitter->pdf_direction(point, ds) : 0.0f;
         }
-        const std::uint32_t light = source->first + (source->mesh ? hit.prim_index : 0);
-        const Float prob =
-            has_choice() ? context_.light_sampler->prob(shading_point(point.p, receiver), {}, light)
-                         : 1.0f;
-        if (!source->mesh) return prob * emitter->pdf_direction(point, ds);
-        return prob * triangle_pdf(context_.lights->triangles()[light].area, hit.n, ds.d, ds.dist);
+        if (!source->mesh) {
+            return select_prob(point, receiver, source->first) * emitter->pdf_direction(point, ds);
+        }
+        const std::uint32_t of_triangle = source->first + hit.prim_index;
+        const auto& [a, b, c] = context_.lights->triangles()[of_triangle].corners;
+        const Point2f uv = barycentric(to_point(a), to_point(b), to_point(c), hit.p);
+        const auto [light, density] = context_.lights->places().find(of_triangle, {uv.x(), uv.y()});
+        return select_prob(point, receiver, light) * triangle_pdf(density, hit.n, ds.d, ds.dist);
     }
 
   private:
     bool has_choice() const { return context_.lights->lights().size() > 1; }
+
+    Float select_prob(const Interaction3f& point, const Receiver<Float>& receiver,
+                      std::uint32_t light) const {
+        if (!has_choice()) return 1.0f;
+        return context_.light_sampler->prob(shading_point(point.p, receiver), {}, light);
+    }
+
+    static Point3f to_point(const ::lightcull::float3& p) { return {p.x, p.y, p.z}; }
 
     template <typename V>
     static ::lightcull::float3 to_float3(const V& v) {
@@ -97,23 +108,24 @@ class ScalarVolumeLights {
 
     Sample sample_triangle(const Interaction3f& point,
                            const typename SceneLights<Float, Spectrum>::Source& source,
-                           std::uint32_t light, const Point2f& random, Float prob,
+                           std::uint32_t light, Sampler* sampler, Float prob,
                            Float mis_prob) const {
         auto sample = dr::zeros<Sample>();
-        const auto& [a, b, c, area] = context_.lights->triangles()[light];
-        const Point2f uv = warp::square_to_uniform_triangle(random);
-        const Point3f p0(a.x, a.y, a.z), p1(b.x, b.y, b.z), p2(c.x, c.y, c.z);
+        const auto& [index, corners] = context_.lights->triangles()[light];
+        const auto& [a, b, c] = corners;
+        const auto [place, density] = draw_place(context_.lights->places(), light, sampler);
+        const Point2f uv(place.x, place.y);
+        const Point3f p0 = to_point(a), p1 = to_point(b), p2 = to_point(c);
         sample.p = p0 * (1.0f - uv.x() - uv.y()) + p1 * uv.x() + p2 * uv.y();
         const Vector3f way = sample.p - point.p;
         const Float distance = dr::norm(way);
         if (!(distance > 0.0f)) return sample;
         sample.direction = way / distance;
-        SurfaceInteraction3f at =
-            triangle_point<Float, Spectrum>(source.mesh, light - source.first, uv);
+        SurfaceInteraction3f at = triangle_point<Float, Spectrum>(source.mesh, index, uv);
         at.wi = at.to_local(-sample.direction);
         at.wavelengths = point.wavelengths;
         at.time = point.time;
-        const Float pdf = triangle_pdf(area, at.n, sample.direction, distance);
+        const Float pdf = triangle_pdf(density, at.n, sample.direction, distance);
         sample.active = dr::isfinite(pdf);
         sample.weight = source.emitter->eval(at) / (prob * pdf);
         sample.pdf = mis_prob * pdf;

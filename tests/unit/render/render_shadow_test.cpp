@@ -107,7 +107,7 @@ Arriving light_at(const std::vector<V3f>& places, const Scene& scene) {
         const auto i = random.next() * static_cast<float>(impl.emitters.size());
         const float x = random.next();
         const auto s = sample_emitter(impl, impl.emitters[static_cast<std::size_t>(i)], from,
-                                      V2f(x, random.next()));
+                                      {0.5, V2f(x, random.next())});
         if (!(s.pdf > 0.0f && s.radiance.x > 0.0f)) continue;
         rays.push_back(segment(from, s.place, s.triangle));
         values.push_back(static_cast<double>(s.radiance.x / s.pdf));
