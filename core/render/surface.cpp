@@ -62,15 +62,8 @@ Bsdf make_bsdf(const SceneData& scene, const MeshRecord& mesh, const Hit& hit, c
     return Bsdf::metallic_roughness(normal, outgoing, base_color, metallic, roughness);
 }
 
-}  // namespace
-
-V3f hit_position(const SceneData& scene, const Hit& hit) noexcept {
-    return scene.positions[scene.corner(hit.triangle, 0)] * (1.0f - hit.u - hit.v) +
-           scene.positions[scene.corner(hit.triangle, 1)] * hit.u +
-           scene.positions[scene.corner(hit.triangle, 2)] * hit.v;
-}
-
-Surface make_surface(const SceneData& scene, const Hit& hit, const V3f& direction) noexcept {
+/// The surface but for its BSDF.
+Surface flat_surface(const SceneData& scene, const Hit& hit, const V3f& direction) noexcept {
     const V3f& a = scene.positions[scene.corner(hit.triangle, 0)];
     const V3f& b = scene.positions[scene.corner(hit.triangle, 1)];
     const V3f& c = scene.positions[scene.corner(hit.triangle, 2)];
@@ -81,7 +74,24 @@ Surface make_surface(const SceneData& scene, const Hit& hit, const V3f& directio
     s.normal = triangle_normal(edge1, edge2);
     if (s.normal.dot(direction) > 0.0f) s.normal = -s.normal;
     s.origin = s.position + s.normal * clearance(s.normal, largest(a, b, c), edge1, edge2);
+    return s;
+}
 
+}  // namespace
+
+V3f hit_position(const SceneData& scene, const Hit& hit) noexcept {
+    return scene.positions[scene.corner(hit.triangle, 0)] * (1.0f - hit.u - hit.v) +
+           scene.positions[scene.corner(hit.triangle, 1)] * hit.u +
+           scene.positions[scene.corner(hit.triangle, 2)] * hit.v;
+}
+
+V3f origin_behind(const SceneData& scene, const Hit& hit, const V3f& direction) noexcept {
+    const Surface s = flat_surface(scene, hit, direction);
+    return s.position + (s.position - s.origin);
+}
+
+Surface make_surface(const SceneData& scene, const Hit& hit, const V3f& direction) noexcept {
+    Surface s = flat_surface(scene, hit, direction);
     const MeshRecord& mesh = scene.meshes[scene.triangles[hit.triangle].mesh];
     const V3f outgoing = -direction;
     s.bsdf =

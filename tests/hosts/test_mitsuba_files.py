@@ -263,10 +263,45 @@ def test_an_imported_scene_agrees_with_its_host(tmp_path: Path) -> None:
         assert of_object.file_settings == ours.file_settings
 
 
-def test_an_import_names_hidden_emitters(tmp_path: Path) -> None:
-    host, _ = loaded(write(tmp_path, f'<integrator type="path">{HIDDEN}</integrator>'))
-    with pytest.warns(lightcull.UnsupportedWarning, match="hide_emitters"):
-        import_scene(host)
+MIRROR = """
+<shape type="rectangle">
+  <transform name="to_world"><scale value="1.5"/><translate y="0.8" z="-2"/></transform>
+  <bsdf type="principled">
+    <rgb name="base_color" value="0.9"/><float name="metallic" value="1"/>
+    <float name="roughness" value="0.1"/>
+  </bsdf>
+</shape>
+<shape type="rectangle">
+  <transform name="to_world"><scale value="0.4"/><translate x="-0.8" y="1" z="1.5"/></transform>
+  <emitter type="area"><rgb name="radiance" value="2"/></emitter>
+</shape>
+"""
+
+
+def blocks(image: np.ndarray) -> np.ndarray:
+    """The means of squares of 8 x 8 pixels."""
+    height, width = image.shape[:2]
+    return image[..., :3].reshape(height // 8, 8, width // 8, 8, 3).mean(axis=(1, 3))
+
+
+def test_hidden_emitters_are_hidden_in_every_renderer(tmp_path: Path) -> None:
+    # Lamps before the floor and the sky, one of them seen from behind, and all in a mirror.
+    path = write(tmp_path, f'<integrator type="path">{DEPTH_3}{HIDDEN}</integrator>', STAGE + MIRROR)
+    host, _ = loaded(path)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        ours = import_scene(host)
+    assert ours.file_settings.hide_emitters is True
+    assert import_scene(host.scene).file_settings == ours.file_settings
+    expected = blocks(np.array(mi.render(mi.load_file(str(path)), spp=1024, seed=7)))
+    assert expected[0, 0].max() == 0  # the sky
+    # Some 6 standard errors of a block.
+    wanted = {"rtol": 0.06, "atol": 0.01}
+    np.testing.assert_allclose(blocks(lightcull.render(ours, spp=256).image), expected, **wanted)
+    np.testing.assert_allclose(blocks(lightcull.render(host, spp=256).image), expected, **wanted)
+    shown = blocks(lightcull.render(ours, spp=16, hide_emitters=False).image)
+    assert shown[0, 0] == pytest.approx(0.5)
+    assert np.abs(shown[1:] - expected[1:]).max() > 0.3  # the lamps
 
 
 def command(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:

@@ -26,8 +26,8 @@ def import_scene(scene: Any, name: str | None = None) -> Scene:
     """Makes a `lightcull.Scene` of a scene of Mitsuba's, for this project's own renderer.
 
     scene: what `load_file` gave, or a `mitsuba.Scene`, of an RGB variant, which must be set. name:
-    for messages; None: that of the file. What film and integrator say of size and depths holds
-    for `lightcull.render`, too, unless it is told otherwise. Taken over are meshes, rectangles, and
+    for messages; None: that of the file. What film and integrator say of size, depths and
+    hide_emitters holds for `lightcull.render`, too, unless it is told otherwise. Taken over are meshes, rectangles, and
     spheres, disks and cylinders as triangles; diffuse and principled materials, and those
     two-sided; area emitters with a colour, a texture or a `face_radiance`; points, spots,
     directional lights, environments; sensors. All else is named in one `UnsupportedWarning`; what
@@ -47,8 +47,6 @@ class _Import:
         self._scene = Scene(name)
         self._scene.file_settings = source.file_settings
         self._notes = Notes()
-        if source.integrator.hide_emitters:
-            self._notes.left_out("hide_emitters")
         self._materials: dict[int, int] = {}
         self._said: set[str] = set()
 

@@ -32,6 +32,8 @@ struct RenderSettings {
     DirectLight direct_light = DirectLight::kMis;
     bool emission_apart = false;  ///< keep what the camera sees of emitters in a film of its own,
                                   ///< for Renderer::emission() and lit()
+    bool hide_emitters = false;   ///< the camera sees neither triangles that emit, through which
+                                  ///< its rays go on, nor the environment; mirrors do
 };
 
 struct RenderStats {
