@@ -95,6 +95,8 @@ class Scene:
         opacity: float,
         opacity_texture: int,
         opacity_threshold: float,
+        normal_texture: int,
+        normal_scale: float,
         /,
     ) -> int: ...
     def add_mesh(

@@ -95,6 +95,8 @@ class Scene:
         opacity: float = 1.0,
         opacity_texture: int | None = None,
         opacity_threshold: float = 0.0,
+        normal_texture: int | None = None,
+        normal_scale: float = 1.0,
     ) -> int:
         """Adds a material, which reflects on both sides, and returns its id.
 
@@ -103,7 +105,9 @@ class Scene:
         [0, 1]. Textures multiply them; of metallic_roughness_texture green is the roughness and
         blue the metalness. opacity in [0, 1], times the red of its texture: the probability with
         which a ray meets the surface, and what it emits; else it goes on. With an opacity_threshold
-        above 0 the ray meets it where the opacity is at least that, and only there.
+        above 0 the ray meets it where the opacity is at least that, and only there. normal_texture, a
+        texture of linear_data, has the normals that light is reflected by, as glTF has them: 2 * texel - 1,
+        x towards where u grows, y where v does, both times normal_scale.
         """
         if kind not in ("diffuse", "metallic_roughness"):
             raise Error(f"material: kind {kind!r} is neither 'diffuse' nor 'metallic_roughness'")
@@ -117,6 +121,8 @@ class Scene:
             checks.number("opacity", opacity),
             _texture_id("opacity_texture", opacity_texture),
             checks.number("opacity_threshold", opacity_threshold),
+            _texture_id("normal_texture", normal_texture),
+            checks.number("normal_scale", normal_scale),
         )
         material = self._core.add_material(*parameters)
         self._digest.add("material", *parameters)

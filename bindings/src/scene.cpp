@@ -55,7 +55,8 @@ TextureId add_texture(Scene& scene, const py::object& texels, bool linear_data) 
 MaterialId add_material(Scene& scene, bool metallic_roughness, const py::object& base_color,
                         float metallic, float roughness, TextureId base_color_texture,
                         TextureId metallic_roughness_texture, float opacity,
-                        TextureId opacity_texture, float opacity_threshold) {
+                        TextureId opacity_texture, float opacity_threshold,
+                        TextureId normal_texture, float normal_scale) {
     Material material;
     material.kind = metallic_roughness ? MaterialKind::kMetallicRoughness : MaterialKind::kDiffuse;
     material.base_color = float3_from(base_color, "base_color");
@@ -66,6 +67,8 @@ MaterialId add_material(Scene& scene, bool metallic_roughness, const py::object&
     material.opacity = opacity;
     material.opacity_texture = opacity_texture;
     material.opacity_threshold = opacity_threshold;
+    material.normal_texture = normal_texture;
+    material.normal_scale = normal_scale;
     return scene.add_material(material);
 }
 

@@ -119,7 +119,7 @@ void check_mesh(const std::string& name, const Mesh& mesh, const SceneData& scen
     const Material& m = scene.materials[mesh.material];
     const bool textured = m.base_color_texture != kNoTexture ||
                           m.metallic_roughness_texture != kNoTexture ||
-                          m.opacity_texture != kNoTexture;
+                          m.opacity_texture != kNoTexture || m.normal_texture != kNoTexture;
     if (textured && mesh.uvs.empty()) {
         check::fail(name + ": material " + std::to_string(mesh.material),
                     "has textures, and the mesh has no uvs");
@@ -220,6 +220,11 @@ MaterialId Scene::add_material(const Material& material) {
     check_reflectance(name + "opacity_texture", material.opacity_texture, data_->textures);
     check_reflectance(name + "metallic_roughness_texture", material.metallic_roughness_texture,
                       data_->textures);
+    if (material.normal_texture != kNoTexture) {
+        check::index(name + "normal_texture", material.normal_texture, data_->textures.size(),
+                     "textures");
+    }
+    check::finite(name + "normal_scale", material.normal_scale);
     data_->materials.push_back(material);
     return static_cast<MaterialId>(data_->materials.size() - 1);
 }

@@ -1,5 +1,6 @@
 #include "render/surface.h"
 
+#include "render/normal_map.h"
 #include "render/scene_data.h"
 #include "render/texture.h"
 
@@ -8,10 +9,23 @@
 namespace lightcull {
 namespace {
 
+/// A triangle in its place.
+struct Facet {
+    Facet(const SceneData& scene, std::uint32_t triangle) noexcept
+        : a(scene.positions[scene.corner(triangle, 0)]),
+          b(scene.positions[scene.corner(triangle, 1)]),
+          c(scene.positions[scene.corner(triangle, 2)]),
+          edge1(b - a),
+          edge2(c - a) {}
+
+    V3f a, b, c;
+    V3f edge1, edge2;  ///< from a to b and to c
+};
+
 /// The interpolated normal, or the geometric one where the mesh has none; on the viewer's side of
-/// the surface, and bent until it faces the viewer.
-V3f shading_normal(const SceneData& scene, const MeshRecord& mesh, const Hit& hit,
-                   const V3f& normal, const V3f& outgoing) noexcept {
+/// the surface.
+V3f smooth_normal(const SceneData& scene, const MeshRecord& mesh, const Hit& hit,
+                  const V3f& normal) noexcept {
     if (mesh.first_normal == kNone) return normal;
     const std::uint32_t shift = mesh.first_normal - mesh.first_position;
     V3f n = scene.normals[scene.corner(hit.triangle, 0) + shift] * (1.0f - hit.u - hit.v) +
@@ -19,7 +33,21 @@ V3f shading_normal(const SceneData& scene, const MeshRecord& mesh, const Hit& hi
             scene.normals[scene.corner(hit.triangle, 2) + shift] * hit.v;
     n.normalize();
     if (n == V3f(0.0f)) return normal;
-    if (n.dot(normal) < 0.0f) n = -n;
+    return n.dot(normal) < 0.0f ? -n : n;
+}
+
+/// The normal that light is reflected by: smooth, by the normal map where there is one, and bent
+/// until it faces the viewer.
+V3f shading_normal(const SceneData& scene, const MeshRecord& mesh, const Hit& hit,
+                   const Facet& facet, const V3f& normal, const V3f& outgoing) noexcept {
+    const Material& material = scene.materials[mesh.material];
+    const bool is_mapped = material.normal_texture != kNoTexture;
+    if (mesh.first_normal == kNone && !is_mapped) return normal;
+    V3f n = smooth_normal(scene, mesh, hit, normal);
+    if (is_mapped) {
+        n = mapped_normal(scene, material, hit, facet.edge1, facet.edge2, n);
+        if (material.kind != MaterialKind::kDiffuse) n = bent_to_mirror(n, normal, outgoing);
+    }
     constexpr float kMinCosine = 1e-3f;
     const float cosine = n.dot(outgoing);
     return cosine >= kMinCosine ? n : unit(n + outgoing * (kMinCosine - cosine));
@@ -63,12 +91,8 @@ Bsdf make_bsdf(const SceneData& scene, const MeshRecord& mesh, const Hit& hit, c
 }
 
 /// The surface but for its BSDF.
-Surface flat_surface(const SceneData& scene, const Hit& hit, const V3f& direction) noexcept {
-    const V3f& a = scene.positions[scene.corner(hit.triangle, 0)];
-    const V3f& b = scene.positions[scene.corner(hit.triangle, 1)];
-    const V3f& c = scene.positions[scene.corner(hit.triangle, 2)];
-    const V3f edge1 = b - a, edge2 = c - a;
-
+Surface flat_surface(const Facet& facet, const Hit& hit, const V3f& direction) noexcept {
+    const auto& [a, b, c, edge1, edge2] = facet;
     Surface s;
     s.position = a * (1.0f - hit.u - hit.v) + b * hit.u + c * hit.v;
     s.normal = triangle_normal(edge1, edge2);
@@ -86,16 +110,17 @@ V3f hit_position(const SceneData& scene, const Hit& hit) noexcept {
 }
 
 V3f origin_behind(const SceneData& scene, const Hit& hit, const V3f& direction) noexcept {
-    const Surface s = flat_surface(scene, hit, direction);
+    const Surface s = flat_surface(Facet(scene, hit.triangle), hit, direction);
     return s.position + (s.position - s.origin);
 }
 
 Surface make_surface(const SceneData& scene, const Hit& hit, const V3f& direction) noexcept {
-    Surface s = flat_surface(scene, hit, direction);
+    const Facet facet(scene, hit.triangle);
+    Surface s = flat_surface(facet, hit, direction);
     const MeshRecord& mesh = scene.meshes[scene.triangles[hit.triangle].mesh];
     const V3f outgoing = -direction;
-    s.bsdf =
-        make_bsdf(scene, mesh, hit, shading_normal(scene, mesh, hit, s.normal, outgoing), outgoing);
+    const V3f normal = shading_normal(scene, mesh, hit, facet, s.normal, outgoing);
+    s.bsdf = make_bsdf(scene, mesh, hit, normal, outgoing);
     return s;
 }
 

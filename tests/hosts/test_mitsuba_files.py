@@ -304,6 +304,74 @@ def test_hidden_emitters_are_hidden_in_every_renderer(tmp_path: Path) -> None:
     assert np.abs(shown[1:] - expected[1:]).max() > 0.3  # the lamps
 
 
+RELIEF = """
+<bsdf type="normalmap" id="relief">
+  <texture name="normalmap" type="bitmap">
+    <string name="filename" value="relief.exr"/><boolean name="raw" value="true"/>
+  </texture>
+  {}
+</bsdf>
+<sensor type="perspective">
+  <transform name="to_world"><lookat origin="0, 3, 4" target="0, 0, 0" up="0, 1, 0"/></transform>
+  <film type="hdrfilm"><integer name="width" value="64"/><integer name="height" value="48"/></film>
+</sensor>
+<emitter type="directional">
+  <vector name="direction" x="-1" y="-1.2" z="0.4"/><rgb name="irradiance" value="2"/>
+</emitter>
+<emitter type="constant"><rgb name="radiance" value="0.2"/></emitter>
+<shape type="sphere">
+  <transform name="to_world"><scale value="0.8"/><translate y="0.9"/></transform>
+  <ref id="relief"/>
+</shape>
+<shape type="rectangle">
+  <transform name="to_world"><scale value="2.5"/><rotate x="1" angle="-90"/></transform>
+  <ref id="relief"/>
+</shape>
+"""
+
+
+@pytest.mark.parametrize(
+    "inside",
+    [
+        '<bsdf type="diffuse"><rgb name="reflectance" value="0.7"/></bsdf>',
+        '<bsdf type="twosided"><bsdf type="diffuse"/></bsdf>',
+    ],
+)
+def test_normal_maps_are_those_of_mitsuba(tmp_path: Path, inside: str) -> None:
+    # Waves that lean to all sides, by so little that hardly any turn away from the camera:
+    # those are black in Mitsuba.
+    u, v = np.meshgrid(np.linspace(0, 2 * np.pi, 32, False), np.linspace(0, 2 * np.pi, 32, False))
+    normals = np.stack([0.2 * np.sin(2 * u), 0.2 * np.cos(v), np.ones_like(u)], axis=2)
+    normals /= np.linalg.norm(normals, axis=2, keepdims=True)
+    lightcull.write_exr(tmp_path / "relief.exr", np.float32(0.5 + 0.5 * normals))
+    path = write(tmp_path, PATH_OF_2, RELIEF.format(inside))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        warnings.filterwarnings("ignore", "scene: round shapes are made of triangles$")
+        ours = import_scene(load_file(path))
+    expected = blocks(np.array(mi.render(mi.load_file(str(path)), spp=256, seed=7)))
+    found = blocks(lightcull.render(ours, spp=256).image)
+    np.testing.assert_allclose(found, expected, rtol=0.05, atol=0.01)
+    assert found.mean() == pytest.approx(expected.mean(), rel=TOLERANCE)
+    flat = path.read_text().replace('<ref id="relief"/>', inside)
+    path.write_text(flat)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        without = blocks(lightcull.render(import_scene(load_file(path)), spp=16).image)
+    assert np.abs(without - found).max() > 0.04
+
+
+def test_a_textured_shape_without_texture_coordinates_is_named(tmp_path: Path) -> None:
+    lightcull.write_exr(tmp_path / "relief.exr", np.full((2, 2, 3), 0.5, np.float32))
+    (tmp_path / "triangle.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    texture = """<bsdf type="diffuse"><texture name="reflectance" type="bitmap">
+      <string name="filename" value="relief.exr"/></texture></bsdf>"""
+    shape = f'<shape type="obj"><string name="filename" value="triangle.obj"/>{texture}</shape>'
+    host = load_file(write(tmp_path, PATH_OF_2, STAGE + shape))
+    with pytest.warns(lightcull.UnsupportedWarning, match="shapes without texture coordinates"):
+        import_scene(host).closed()
+
+
 def command(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
         [sys.executable, "-m", "lightcull", *arguments],

@@ -46,6 +46,10 @@ struct Material {
     TextureId opacity_texture = kNoTexture;  ///< multiplies the opacity by its red
     /// Above 0: a ray meets the surface where the opacity is at least this, and nowhere else.
     float opacity_threshold = 0.0f;
+    /// Normals in the tangent frame of the texture coordinates: 2 * texel - 1, of which x, to the
+    /// right of the image, and y, up, are scaled. The texture is of numbers, not of colours.
+    TextureId normal_texture = kNoTexture;
+    float normal_scale = 1.0f;
 };
 
 /// What the triangles of a mesh emit: radiance * face_radiance[i] * texture(u, v), each of the
