@@ -171,6 +171,9 @@ def check_sampler(description: str, /) -> None:
 class Preview:
     def __init__(self, scene: Scene, /) -> None: ...
     def distances(self, origins: np.ndarray, directions: np.ndarray, /) -> np.ndarray: ...
+    def memory_size(self) -> SceneMemory:
+        """What it takes besides the scene."""
+
     def look(
         self,
         origin: Any,

@@ -220,6 +220,7 @@ void bind_scene(py::module_& module) {
     py::class_<Preview>(module, "Preview")
         .def(py::init<const Scene&>(), py::call_guard<py::gil_scoped_release>())
         .def("distances", &distances)
+        .def("memory_size", &Preview::memory_size)
         .def("look", &look);
 }
 

@@ -16,7 +16,7 @@ namespace lightcull {
 namespace {
 
 /// Fills a scene with what another has, but for reflectance textures, which take most of its
-/// memory.
+/// memory. Triangles and vertices are shared.
 void copy(const SceneData& from, SceneData& to) {
     std::vector<bool> is_kept(from.textures.size(), false);
     for (const MeshRecord& mesh : from.meshes) {
@@ -82,6 +82,12 @@ std::vector<float> Preview::distances(Span<const float3> origins,
         found[i] = d.dot(edge1.cross(edge2)) > 0.0f ? -distance : distance;
     }
     return found;
+}
+
+SceneMemory Preview::memory_size() const noexcept {
+    SceneMemory memory = copy_->memory_size();
+    memory.data -= data_of(*copy_).geometry_size(true);
+    return memory;
 }
 
 std::vector<float3> Preview::look(const Camera& camera, std::uint32_t width, std::uint32_t height,

@@ -181,17 +181,18 @@ RayTracer::RayTracer(Span<const V3f> positions, Span<const std::uint32_t> indice
     : handles_(std::make_unique<Handles>(positions, indices, triangles, reach, cut_outs, false)) {
 }
 
-SceneRefit RayTracer::refit(float reach, float max_growth) {
+SceneRefit RayTracer::refit(Span<const V3f> positions, float reach, float max_growth) {
     const Handles& h = *handles_;
     SceneRefit result;
-    result.rebuilt = !h.can_be_fitted || scale_for_embree(reach) != h.scale;
+    result.rebuilt = !h.can_be_fitted || scale_for_embree(reach) != h.scale ||
+                     positions.data() != h.positions.data();
     if (!result.rebuilt) {
         result.growth = h.looseness.growth(h.positions, h.indices);
         result.rebuilt = result.growth > max_growth;
     }
     if (result.rebuilt) {
         handles_ = std::make_unique<Handles>(
-            h.positions, h.indices,
+            positions, h.indices,
             Span<const TriangleRecord>(h.triangles.records, h.indices.size() / 3), reach,
             h.triangles.cut_outs, true);
     } else {

@@ -25,9 +25,10 @@ class LIGHTCULL_CORE_EXPORT RayTracer {
     /// scene of the triangles, if some of them are cut out. Throws Error.
     RayTracer(Span<const V3f> positions, Span<const std::uint32_t> indices,
               Span<const TriangleRecord> triangles, float reach, const SceneData* cut_outs);
-    /// Follows positions that have changed in their places, by fitting the acceleration structure,
-    /// which is built anew the first time and where it has grown looser than max_growth.
-    SceneRefit refit(float reach, float max_growth);
+    /// Follows positions that have changed, by fitting the acceleration structure, which is built
+    /// anew the first time, where it has grown looser than max_growth, and where the positions are
+    /// in another place of memory.
+    SceneRefit refit(Span<const V3f> positions, float reach, float max_growth);
 
     ~RayTracer();
     RayTracer(RayTracer&&) noexcept;

@@ -77,6 +77,24 @@ void check_geometry(const std::string& name, const Mesh& mesh) {
     }
 }
 
+V2f to_vector(float2 a) noexcept {
+    return {a.x, a.y};
+}
+V3f to_vector(float3 a) noexcept {
+    return to_v3f(a);
+}
+
+/// Adds the attributes of a mesh to those of all. One more stays readable after the last: Embree
+/// reads 16 bytes of a position.
+template <typename From, typename To>
+void append(Span<const From> from, SharedArray<To>& to) {
+    to.change([from](std::vector<To>& all) {
+        for (const From a : from) all.push_back(to_vector(a));
+        all.emplace_back();
+        all.pop_back();
+    });
+}
+
 V3f radiance_of(const Emission& emission, std::size_t triangle) noexcept {
     const V3f radiance = to_v3f(emission.radiance);
     if (emission.face_radiance.empty()) return radiance;
@@ -155,7 +173,7 @@ void add_triangle_lights(SceneData& scene, const Mesh& mesh) {
                               scene.uv_at(triangle, 0.0f, 1.0f));
         }
         const auto light = static_cast<std::uint32_t>(scene.lights.size());
-        scene.triangles[triangle].light = light;
+        scene.triangles.change([&](auto& triangles) { triangles[triangle].light = light; });
         scene.emitters.emplace_back(TriangleEmitter{V3f(0.0f), V3f(0.0f), V3f(0.0f), radiance,
                                                     triangle, kNone, e.two_sided,
                                                     e.texture != kNoTexture});
@@ -185,8 +203,6 @@ void make_traceable(SceneData& scene) {
     check_not_committed(scene);
     place_moved_lights(scene);
     scene.is_moved = false;
-    // Embree reads 16 bytes from the last position.
-    scene.positions.reserve(scene.positions.size() + 1);
     scene.ray_tracer.emplace(scene.positions, scene.indices, scene.triangles, reach_of(scene),
                              scene.has_cut_outs ? &scene : nullptr);
 }
@@ -241,23 +257,27 @@ MeshId Scene::add_mesh(const Mesh& mesh) {
     record.first_triangle = static_cast<std::uint32_t>(s.triangles.size());
     record.emission_texture = mesh.emission.texture;
     record.first_position = static_cast<std::uint32_t>(s.positions.size());
-    for (const float3 p : mesh.positions) s.positions.push_back(to_v3f(p));
+    append(mesh.positions, s.positions);
     if (!mesh.normals.empty()) {
         record.first_normal = static_cast<std::uint32_t>(s.normals.size());
-        for (const float3 n : mesh.normals) s.normals.push_back(to_v3f(n));
+        append(mesh.normals, s.normals);
     }
     if (!mesh.uvs.empty()) {
         record.first_uv = static_cast<std::uint32_t>(s.uvs.size());
-        for (const float2 uv : mesh.uvs) s.uvs.emplace_back(uv.x, uv.y);
+        append(mesh.uvs, s.uvs);
     }
     if (!mesh.colors.empty()) {
         record.first_color = static_cast<std::uint32_t>(s.colors.size());
-        for (const float3 c : mesh.colors) s.colors.push_back(to_v3f(c));
+        append(mesh.colors, s.colors);
     }
     s.has_cut_outs |= is_cut_out(s.materials[mesh.material]);
-    for (const std::uint32_t i : mesh.indices) s.indices.push_back(record.first_position + i);
+    s.indices.change([&](auto& indices) {
+        for (const std::uint32_t i : mesh.indices) indices.push_back(record.first_position + i);
+    });
     s.meshes.push_back(record);
-    s.triangles.resize(s.triangles.size() + mesh.indices.size() / 3, TriangleRecord{id, kNone});
+    s.triangles.change([&](auto& triangles) {
+        triangles.resize(triangles.size() + mesh.indices.size() / 3, TriangleRecord{id, kNone});
+    });
     add_triangle_lights(s, mesh);
     return id;
 }
@@ -346,11 +366,9 @@ const Camera& Scene::camera() const noexcept {
 SceneMemory Scene::memory_size() const noexcept {
     const SceneData& s = *data_;
     SceneMemory memory;
-    memory.data = size_of(s.materials) + size_of(s.meshes) + size_of(s.triangles) +
-                  size_of(s.indices) + size_of(s.positions) + size_of(s.normals) + size_of(s.uvs) +
-                  size_of(s.colors) + size_of(s.emitters) + size_of(s.lights) +
-                  size_of(s.mean_radiances) + size_of(s.virtual_lights) + s.cuts.memory_size() +
-                  size_of(s.part_lights);
+    memory.data = size_of(s.materials) + size_of(s.meshes) + s.geometry_size(false) +
+                  size_of(s.emitters) + size_of(s.lights) + size_of(s.mean_radiances) +
+                  size_of(s.virtual_lights) + s.cuts.memory_size() + size_of(s.part_lights);
     for (const Texture& texture : s.textures) memory.data += lightcull::memory_size(texture);
     if (s.environment) memory.data += s.environment->memory_size();
     if (s.ray_tracer) memory.bvh = s.ray_tracer->memory_size();

@@ -17,8 +17,7 @@ float angle_of(float versine) noexcept {
     return static_cast<float>(2.0 * std::asin(std::sqrt(0.5 * static_cast<double>(versine))));
 }
 
-template <typename Vector>
-std::vector<float3> float3s(const std::vector<Vector>& from, std::size_t begin, std::size_t count) {
+std::vector<float3> float3s(const SharedArray<V3f>& from, std::size_t begin, std::size_t count) {
     std::vector<float3> result;
     result.reserve(count);
     for (std::size_t i = begin; i < begin + count; ++i) result.push_back(to_float3(from[i]));

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/shared_array.h"
 #include "render/emitter.h"
 #include "render/environment.h"
 #include "render/ray_tracer.h"
@@ -39,11 +40,11 @@ struct SceneData {
     bool has_cut_outs = false;  ///< a mesh has a material that is_cut_out()
 
     std::vector<MeshRecord> meshes;
-    std::vector<TriangleRecord> triangles;
-    std::vector<std::uint32_t> indices;  ///< three per triangle, into positions
-    std::vector<V3f> positions, normals;
-    std::vector<V2f> uvs;
-    std::vector<V3f> colors;
+    SharedArray<TriangleRecord> triangles;
+    SharedArray<std::uint32_t> indices;  ///< three per triangle, into positions
+    SharedArray<V3f> positions, normals;
+    SharedArray<V2f> uvs;
+    SharedArray<V3f> colors;
 
     std::vector<Emitter> emitters;      ///< emitters, or parts of triangles that are cut
     std::vector<Light> lights;          ///< lights of the emitters, one each
@@ -79,6 +80,14 @@ struct SceneData {
         const bool is_last = std::size_t{mesh} + 1 == meshes.size();
         return {meshes[mesh].first_triangle,
                 is_last ? triangles.size() : meshes[mesh + 1].first_triangle};
+    }
+
+    /// The bytes of all triangles and vertices; shared: of those arrays alone that others share.
+    std::size_t geometry_size(bool shared) const noexcept {
+        const auto of = [shared](const auto& array) {
+            return !shared || array.is_shared() ? array.memory_size() : 0;
+        };
+        return of(triangles) + of(indices) + of(positions) + of(normals) + of(uvs) + of(colors);
     }
 
     /// The index of a corner into positions.

@@ -58,6 +58,12 @@ void check_normals(const SceneData& scene, MeshId mesh, const std::string& name,
     }
 }
 
+void replace(SharedArray<V3f>& array, std::size_t first, Span<const float3> values) {
+    array.change([&](std::vector<V3f>& all) {
+        for (std::size_t i = 0; i < values.size(); ++i) all[first + i] = to_v3f(values[i]);
+    });
+}
+
 /// The number of emitters of either of two kinds.
 template <typename A, typename B>
 std::size_t count_of(const SceneData& scene) noexcept {
@@ -84,12 +90,8 @@ void Scene::set_mesh_positions(MeshId mesh, Span<const float3> positions,
 
     if (emits) s.moved_meshes.push_back(mesh);
     s.is_moved = true;
-    for (std::size_t i = 0; i < positions.size(); ++i) {
-        s.positions[range.begin + i] = to_v3f(positions[i]);
-    }
-    for (std::size_t i = 0; i < normals.size(); ++i) {
-        s.normals[s.meshes[mesh].first_normal + i] = to_v3f(normals[i]);
-    }
+    replace(s.positions, range.begin, positions);
+    if (!normals.empty()) replace(s.normals, s.meshes[mesh].first_normal, normals);
 }
 
 void Scene::set_light_positions(Span<const float3> positions) {
@@ -143,7 +145,7 @@ SceneRefit Scene::refit(float max_growth) {
     SceneData& s = *data_;
     if (!s.ray_tracer) throw Error("scene: commit() must come before refit()");
     place_moved_lights(s);
-    const SceneRefit result = s.ray_tracer->refit(reach_of(s), max_growth);
+    const SceneRefit result = s.ray_tracer->refit(s.positions, reach_of(s), max_growth);
     s.is_moved = false;
     ++s.refits;
     return result;
