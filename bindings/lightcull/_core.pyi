@@ -112,8 +112,10 @@ class Scene:
         face_radiance: np.ndarray | None,
         texture: int,
         two_sided: bool,
+        shared: bool,
         /,
     ) -> int: ...
+    def add_instance(self, mesh: int, transform: Sequence[float], /) -> None: ...
     def add_point_light(self, position: Any, intensity: Any, /) -> None: ...
     def add_spot_light(
         self, position: Any, direction: Any, intensity: Any, inner: float, outer: float, /

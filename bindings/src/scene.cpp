@@ -1,3 +1,4 @@
+#include <lightcull/error.h>
 #include <lightcull/render/preview.h>
 #include <lightcull/render/scene.h>
 
@@ -75,7 +76,7 @@ MaterialId add_material(Scene& scene, bool metallic_roughness, const py::object&
 MeshId add_mesh(Scene& scene, const std::string& name, const py::object& positions,
                 const py::object& indices, const py::object& normals, const py::object& uvs,
                 const py::object& colors, MaterialId material, const py::object& radiance,
-                const py::object& face_radiance, TextureId texture, bool two_sided) {
+                const py::object& face_radiance, TextureId texture, bool two_sided, bool shared) {
     const Rows<float3> position_rows(positions, "positions");
     const Rows<Triangle> triangles(indices, "indices");
     const auto normal_rows = Rows<float3>::optional(normals, "normals", position_rows.size());
@@ -96,7 +97,14 @@ MeshId add_mesh(Scene& scene, const std::string& name, const py::object& positio
     mesh.emission.face_radiance = face_rows.span();
     mesh.emission.texture = texture;
     mesh.emission.two_sided = two_sided;
-    return scene.add_mesh(mesh);
+    return shared ? scene.add_shared_mesh(mesh) : scene.add_mesh(mesh);
+}
+
+void add_instance(Scene& scene, MeshId mesh, const std::vector<float>& numbers) {
+    Placement placement{};
+    if (numbers.size() != 12) throw Error("instance: its transform is not of 3 rows of 4 numbers");
+    std::copy(numbers.begin(), numbers.end(), &placement.rows[0][0]);
+    scene.add_instance(mesh, placement);
 }
 
 void add_spot_light(Scene& scene, const py::object& position, const py::object& direction,
@@ -181,6 +189,7 @@ void bind_scene(py::module_& module) {
         .def("add_texture", &add_texture)
         .def("add_material", &add_material)
         .def("add_mesh", &add_mesh)
+        .def("add_instance", &add_instance)
         .def("add_point_light",
              [](Scene& scene, const py::object& position, const py::object& intensity) {
                  scene.add_point_light(float3_from(position, "position"),

@@ -18,7 +18,8 @@ V3f texel_normal(const SceneData& scene, const Material& material, const Hit& hi
 }  // namespace
 
 V3f mapped_normal(const SceneData& scene, const Material& material, const Hit& hit,
-                  const V3f& edge1, const V3f& edge2, const V3f& normal) noexcept {
+                  const Facet& facet, const V3f& normal) noexcept {
+    const V3f &edge1 = facet.edge1, &edge2 = facet.edge2;
     const V2f uv = scene.uv_at(hit.triangle, 0.0f, 0.0f);
     const V2f along1 = scene.uv_at(hit.triangle, 1.0f, 0.0f) - uv;
     const V2f along2 = scene.uv_at(hit.triangle, 0.0f, 1.0f) - uv;
@@ -32,7 +33,8 @@ V3f mapped_normal(const SceneData& scene, const Material& material, const Hit& h
     if (bitangent.dot(of_v) < 0.0f) bitangent = -bitangent;
 
     const V3f texel = texel_normal(scene, material, hit);
-    const float side = edge1.cross(edge2).dot(normal) < 0.0f ? -1.0f : 1.0f;
+    const bool is_back = (edge1.cross(edge2).dot(normal) < 0.0f) != facet.is_mirrored;
+    const float side = is_back ? -1.0f : 1.0f;
     V3f mapped = normal * texel.z + (tangent * texel.x + bitangent * texel.y) * side;
     mapped.normalize();
     return mapped == V3f(0.0f) ? normal : mapped;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "render/facet.h"
 #include "render/ray.h"
 #include "render/scene_data.h"
 #include "render/vec.h"
@@ -9,11 +10,11 @@
 namespace lightcull {
 
 /// The normal that a material's normal map makes of a surface's own, all of unit length and on one
-/// side of the triangle, which has these edges. Texels are in the tangent frame: x towards where u
+/// side of the triangle. Texels are in the tangent frame: x towards where u
 /// grows, y where v does, both square to the normal. From the back a relief is seen from behind.
 /// The normal stays as it is where texture coordinates span nothing.
 V3f mapped_normal(const SceneData& scene, const Material& material, const Hit& hit,
-                  const V3f& edge1, const V3f& edge2, const V3f& normal) noexcept;
+                  const Facet& facet, const V3f& normal) noexcept;
 
 /// The normal, bent until what it mirrors to a viewer at `outgoing` is above the surface, whose
 /// geometric normal is given: else a polished one would be black there.

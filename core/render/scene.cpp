@@ -184,7 +184,54 @@ void add_triangle_lights(SceneData& scene, const Mesh& mesh) {
     }
 }
 
+MeshId add_mesh(SceneData& s, const Mesh& mesh) {
+    check_not_committed(s);
+    const auto id = static_cast<MeshId>(s.meshes.size());
+    const std::string name = "mesh \"" + mesh.name + "\"";
+    check_mesh(name, mesh, s);
+
+    MeshRecord record;
+    record.material = mesh.material;
+    record.first_triangle = static_cast<std::uint32_t>(s.triangles.size());
+    record.emission_texture = mesh.emission.texture;
+    record.first_position = static_cast<std::uint32_t>(s.positions.size());
+    append(mesh.positions, s.positions);
+    if (!mesh.normals.empty()) {
+        record.first_normal = static_cast<std::uint32_t>(s.normals.size());
+        append(mesh.normals, s.normals);
+    }
+    if (!mesh.uvs.empty()) {
+        record.first_uv = static_cast<std::uint32_t>(s.uvs.size());
+        append(mesh.uvs, s.uvs);
+    }
+    if (!mesh.colors.empty()) {
+        record.first_color = static_cast<std::uint32_t>(s.colors.size());
+        append(mesh.colors, s.colors);
+    }
+    s.has_cut_outs |= is_cut_out(s.materials[mesh.material]);
+    s.indices.change([&](auto& indices) {
+        for (const std::uint32_t i : mesh.indices) indices.push_back(record.first_position + i);
+    });
+    s.meshes.push_back(record);
+    s.triangles.change([&](auto& triangles) {
+        triangles.resize(triangles.size() + mesh.indices.size() / 3, TriangleRecord{id, kNone});
+    });
+    add_triangle_lights(s, mesh);
+    return id;
+}
+
 }  // namespace
+
+Imath::Box3f bounds_of(const SceneData& scene, const Instance& instance) noexcept {
+    const Imath::Box3f& box = scene.meshes[instance.mesh].bounds;
+    Imath::Box3f placed;
+    for (const float x : {box.min.x, box.max.x}) {
+        for (const float y : {box.min.y, box.max.y}) {
+            for (const float z : {box.min.z, box.max.z}) placed.extendBy(instance.at({x, y, z}));
+        }
+    }
+    return placed;
+}
 
 float reach_of(const SceneData& scene) noexcept {
     float reach = max_component(abs(to_v3f(scene.camera.origin))) + scene.camera.aperture_radius +
@@ -193,6 +240,11 @@ float reach_of(const SceneData& scene) noexcept {
         reach = std::max({reach, std::fabs(x), std::fabs(y), std::fabs(z)});
     };
     for (const V3f& p : scene.positions) include(p.x, p.y, p.z);
+    for (const Instance& instance : scene.instances) {
+        const Imath::Box3f box = bounds_of(scene, instance);
+        include(box.min.x, box.min.y, box.min.z);
+        include(box.max.x, box.max.y, box.max.z);
+    }
     for (const Light& light : scene.lights) {
         include(light.center.x, light.center.y, light.center.z);
     }
@@ -203,8 +255,7 @@ void make_traceable(SceneData& scene) {
     check_not_committed(scene);
     place_moved_lights(scene);
     scene.is_moved = false;
-    scene.ray_tracer.emplace(scene.positions, scene.indices, scene.triangles, reach_of(scene),
-                             scene.has_cut_outs ? &scene : nullptr);
+    scene.ray_tracer.emplace(scene, reach_of(scene));
 }
 
 Scene::Scene() : data_(std::make_unique<SceneData>()) {
@@ -246,40 +297,38 @@ MaterialId Scene::add_material(const Material& material) {
 }
 
 MeshId Scene::add_mesh(const Mesh& mesh) {
+    return lightcull::add_mesh(*data_, mesh);
+}
+
+MeshId Scene::add_shared_mesh(const Mesh& mesh) {
+    if (luminance(to_v3f(mesh.emission.radiance)) > 0.0f) {
+        check::fail("mesh \"" + mesh.name + "\"", "emits: what is shared cannot");
+    }
+    const MeshId id = lightcull::add_mesh(*data_, mesh);
+    MeshRecord& record = data_->meshes[id];
+    record.is_shared = true;
+    for (const float3 p : mesh.positions) record.bounds.extendBy(to_v3f(p));
+    return id;
+}
+
+void Scene::add_instance(MeshId mesh, const Placement& placement) {
     SceneData& s = *data_;
     check_not_committed(s);
-    const auto id = static_cast<MeshId>(s.meshes.size());
-    const std::string name = "mesh \"" + mesh.name + "\"";
-    check_mesh(name, mesh, s);
-
-    MeshRecord record;
-    record.material = mesh.material;
-    record.first_triangle = static_cast<std::uint32_t>(s.triangles.size());
-    record.emission_texture = mesh.emission.texture;
-    record.first_position = static_cast<std::uint32_t>(s.positions.size());
-    append(mesh.positions, s.positions);
-    if (!mesh.normals.empty()) {
-        record.first_normal = static_cast<std::uint32_t>(s.normals.size());
-        append(mesh.normals, s.normals);
+    const std::string name = name_of("instance", s.instances.size());
+    check::index(name + "mesh", mesh, s.meshes.size(), "meshes");
+    if (!s.meshes[mesh].is_shared) check::fail(name + "mesh", "is not a shared one");
+    for (const auto& row : placement.rows) {
+        for (const float number : row) check::finite(name + "placement", number);
     }
-    if (!mesh.uvs.empty()) {
-        record.first_uv = static_cast<std::uint32_t>(s.uvs.size());
-        append(mesh.uvs, s.uvs);
+    const Instance instance(mesh, placement);
+    const float volume = instance.rows[0].dot(instance.rows[1].cross(instance.rows[2]));
+    if (!std::isnormal(volume)) check::fail(name + "placement", "makes the mesh flat");
+    if (!s.meshes[mesh].bounds.isEmpty()) {
+        const Imath::Box3f box = bounds_of(s, instance);
+        check::position(name + "placement", to_float3(box.min));
+        check::position(name + "placement", to_float3(box.max));
     }
-    if (!mesh.colors.empty()) {
-        record.first_color = static_cast<std::uint32_t>(s.colors.size());
-        append(mesh.colors, s.colors);
-    }
-    s.has_cut_outs |= is_cut_out(s.materials[mesh.material]);
-    s.indices.change([&](auto& indices) {
-        for (const std::uint32_t i : mesh.indices) indices.push_back(record.first_position + i);
-    });
-    s.meshes.push_back(record);
-    s.triangles.change([&](auto& triangles) {
-        triangles.resize(triangles.size() + mesh.indices.size() / 3, TriangleRecord{id, kNone});
-    });
-    add_triangle_lights(s, mesh);
-    return id;
+    s.instances.push_back(instance);
 }
 
 void Scene::add_point_light(float3 position, float3 intensity) {
@@ -355,7 +404,13 @@ std::size_t Scene::emitter_count() const noexcept {
     return data_->lights.size() - data_->further_parts;
 }
 std::size_t Scene::triangle_count() const noexcept {
-    return data_->triangles.size();
+    const SceneData& s = *data_;
+    std::size_t count = 0;
+    for (MeshId id = 0; id < s.meshes.size(); ++id) {
+        if (!s.meshes[id].is_shared) count += s.triangles_of(id).size();
+    }
+    for (const Instance& instance : s.instances) count += s.triangles_of(instance.mesh).size();
+    return count;
 }
 bool Scene::has_environment() const noexcept {
     return data_->environment.has_value();
@@ -366,9 +421,10 @@ const Camera& Scene::camera() const noexcept {
 SceneMemory Scene::memory_size() const noexcept {
     const SceneData& s = *data_;
     SceneMemory memory;
-    memory.data = size_of(s.materials) + size_of(s.meshes) + s.geometry_size(false) +
-                  size_of(s.emitters) + size_of(s.lights) + size_of(s.mean_radiances) +
-                  size_of(s.virtual_lights) + s.cuts.memory_size() + size_of(s.part_lights);
+    memory.data = size_of(s.materials) + size_of(s.meshes) + size_of(s.instances) +
+                  s.geometry_size(false) + size_of(s.emitters) + size_of(s.lights) +
+                  size_of(s.mean_radiances) + size_of(s.virtual_lights) + s.cuts.memory_size() +
+                  size_of(s.part_lights);
     for (const Texture& texture : s.textures) memory.data += lightcull::memory_size(texture);
     if (s.environment) memory.data += s.environment->memory_size();
     if (s.ray_tracer) memory.bvh = s.ray_tracer->memory_size();

@@ -3,12 +3,14 @@
 #include "base/shared_array.h"
 #include "render/emitter.h"
 #include "render/environment.h"
+#include "render/instance.h"
 #include "render/ray_tracer.h"
 #include "render/texture_mean.h"
 #include "render/triangle_record.h"
 #include "render/vec.h"
 #include "render/virtual_emitter.h"
 
+#include <ImathBox.h>
 #include <lightcull/light.h>
 #include <lightcull/render/scene.h>
 #include <lightcull/triangle_cuts.h>
@@ -31,6 +33,8 @@ struct MeshRecord {
     std::uint32_t first_uv = kNone;      ///< index of the first texture coordinates; kNone: none
     std::uint32_t first_color = kNone;   ///< index of the first colour of a vertex; kNone: none
     TextureId emission_texture = kNoTexture;
+    bool is_shared = false;  ///< it stands where instances place it, and nowhere else
+    Imath::Box3f bounds{};   ///< bounds of a shared one
 };
 
 struct SceneData {
@@ -40,6 +44,7 @@ struct SceneData {
     bool has_cut_outs = false;  ///< a mesh has a material that is_cut_out()
 
     std::vector<MeshRecord> meshes;
+    std::vector<Instance> instances;
     SharedArray<TriangleRecord> triangles;
     SharedArray<std::uint32_t> indices;  ///< three per triangle, into positions
     SharedArray<V3f> positions, normals;
@@ -69,6 +74,7 @@ struct SceneData {
 
     struct Range {
         std::size_t begin, end;
+        std::size_t size() const noexcept { return end - begin; }
     };
     /// The positions, and the triangles, that belong to a mesh.
     Range positions_of(MeshId mesh) const noexcept {
@@ -102,6 +108,9 @@ struct SceneData {
                uvs[corner(triangle, 1) + shift] * u + uvs[corner(triangle, 2) + shift] * v;
     }
 };
+
+/// The box around an instance's box.
+Imath::Box3f bounds_of(const SceneData& scene, const Instance& instance) noexcept;
 
 /// The largest coordinate, but for its sign, of what is in the scene.
 float reach_of(const SceneData& scene) noexcept;

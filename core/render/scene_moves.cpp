@@ -82,6 +82,8 @@ void Scene::set_mesh_positions(MeshId mesh, Span<const float3> positions,
     check_may_move(s);
     check::index("set_mesh_positions: mesh", mesh, s.meshes.size(), "meshes");
     const std::string name = "mesh " + std::to_string(mesh);
+    if (s.meshes[mesh].is_shared)
+        check::fail(name, "is shared: instances of it stay where they are");
     const SceneData::Range range = s.positions_of(mesh);
     check_count(name + ": positions", positions.size(), range.end - range.begin, " corners");
     check::positions(name + ": positions", positions);
@@ -145,7 +147,7 @@ SceneRefit Scene::refit(float max_growth) {
     SceneData& s = *data_;
     if (!s.ray_tracer) throw Error("scene: commit() must come before refit()");
     place_moved_lights(s);
-    const SceneRefit result = s.ray_tracer->refit(s.positions, reach_of(s), max_growth);
+    const SceneRefit result = s.ray_tracer->refit(reach_of(s), max_growth);
     s.is_moved = false;
     ++s.refits;
     return result;

@@ -361,6 +361,35 @@ def test_normal_maps_are_those_of_mitsuba(tmp_path: Path, inside: str) -> None:
     assert np.abs(without - found).max() > 0.04
 
 
+GROUP = """
+<shape type="shapegroup" id="pair">
+  <shape type="cube">
+    <transform name="to_world"><scale value="0.3"/><translate y="0.3"/></transform>
+    <bsdf type="diffuse"><rgb name="reflectance" value="0.8, 0.2, 0.1"/></bsdf>
+  </shape>
+  <shape type="sphere"><point name="center" x="0" y="0.9" z="0"/><float name="radius" value="0.3"/></shape>
+</shape>
+""" + "".join(
+    f"""<shape type="instance"><ref id="pair"/><transform name="to_world">
+    <scale x="{-1 if x > 0 else 1}" y="{1 + 0.2 * x}"/><rotate y="1" angle="{40 * x}"/>
+    <translate x="{1.5 * x}" z="1"/></transform></shape>"""
+    for x in (-1, 0, 1)
+)
+
+
+def test_instances_stay_instances(tmp_path: Path) -> None:
+    path = write(tmp_path, PATH_OF_3, STAGE + GROUP)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        warnings.filterwarnings("ignore", "scene: round shapes are made of triangles$")
+        ours = import_scene(load_file(path))
+    assert ours.counts["instances"] == 6
+    expected = blocks(np.array(mi.render(mi.load_file(str(path)), spp=256, seed=7)))
+    found = blocks(lightcull.render(ours, spp=256, seed=1).image)
+    np.testing.assert_allclose(found, expected, rtol=0.05, atol=0.01)
+    assert found.mean() == pytest.approx(expected.mean(), rel=TOLERANCE)
+
+
 def test_a_textured_shape_without_texture_coordinates_is_named(tmp_path: Path) -> None:
     lightcull.write_exr(tmp_path / "relief.exr", np.full((2, 2, 3), 0.5, np.float32))
     (tmp_path / "triangle.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import warnings
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
@@ -19,6 +19,7 @@ from .mitsuba_scene import MitsubaScene
 
 _ROUND, _FADING = "round shapes are made of triangles", "spots fade out by another curve"
 _GREY = (0.5, 0.5, 0.5)
+_INSTANCE = "Instance"
 _TWO_SIDED, _NORMAL_MAP = "TwoSidedBRDF", "NormalMap"
 _PRINCIPLED_LEFT_OUT = ("anisotropic", "clearcoat", "flatness", "sheen", "spec_tint", "spec_trans")
 """Parameters of a principled material that ours has not, where they are above 0."""
@@ -29,8 +30,8 @@ def import_scene(scene: Any, name: str | None = None) -> Scene:
 
     scene: what `load_file` gave, or a `mitsuba.Scene`, of an RGB variant, which must be set. name:
     for messages; None: that of the file. What film and integrator say of size, depths and
-    hide_emitters holds for `lightcull.render`, too, unless it is told otherwise. Taken over are meshes, rectangles, and
-    spheres, disks and cylinders as triangles; diffuse and principled materials, those
+    hide_emitters holds for `lightcull.render`, too, unless it is told otherwise. Taken over are meshes, rectangles,
+    instances of shapegroups, and spheres, disks and cylinders as triangles; diffuse and principled materials, those
     two-sided, and normal maps of both; area emitters with a colour, a texture or a `face_radiance`; points, spots,
     directional lights, environments; sensors. All else is named in one `UnsupportedWarning`; what
     emits by it is left out, and materials are grey.
@@ -51,6 +52,7 @@ class _Import:
         self._notes = Notes()
         self._materials: dict[tuple[int, bool], int] = {}
         self._said: set[str] = set()
+        self._groups: dict[str, list[int]] = {}
 
     def run(self) -> Scene:
         self._add_cameras()
@@ -89,29 +91,58 @@ class _Import:
     # ---- shapes ----------------------------------------------------------------------------------
 
     def _add_shape(self, shape: Any) -> None:
-        geometry = geometry_of(shape)
-        kind, is_textured = shape.class_name(), _is_textured(shape.bsdf())
-        if geometry is None:
-            self._notes.left_out(f"shape {kind}" + (" that emits" if shape.is_emitter() else ""))
+        if shape.class_name() == _INSTANCE:
+            to_world = matrix_of(_values(shape)["to_world"])
+            for mesh in self._shared_meshes(_group_of(shape)):
+                self._scene.add_instance(mesh, to_world)
             return
+        self._add_triangles(shape, self._scene.add_mesh)
+
+    def _shared_meshes(self, group: str) -> list[int]:
+        """Those of the shapes of a shapegroup, which Mitsuba shows as parameters alone."""
+        if group not in self._groups:
+            parameters = mitsuba().traverse(self._source.scene).properties
+            shapes = {
+                id(node): node
+                for name, (*_, node, _) in parameters.items()
+                if name.startswith(f"{group}.") and isinstance(node, mitsuba().Shape)
+            }
+            add = self._scene.add_shared_mesh
+            meshes = [self._add_triangles(shape, add) for shape in shapes.values()]
+            self._groups[group] = [mesh for of_shape in meshes for mesh in of_shape]
+        return self._groups[group]
+
+    def _add_triangles(self, shape: Any, add: Callable[..., int]) -> list[int]:
+        """Adds a shape; the meshes that it became by `add`, if it does not emit."""
+        geometry = geometry_of(shape)
+        if geometry is None:
+            kind = f"shape {shape.class_name()}"
+            self._notes.left_out(kind + (" that emits" if shape.is_emitter() else ""))
+            return []
         if geometry.is_round:
             self._remark_once(_ROUND)
         if shape.interior_medium() or shape.exterior_medium():
             self._notes.left_out("medium")
         uvs = geometry.uvs
-        if uvs is None and is_textured:
+        if uvs is None and _is_textured(shape.bsdf()):
             self._notes.left_out("textures on shapes without texture coordinates")
             uvs = np.zeros((len(geometry.positions), 2), np.float32)
         what = {"normals": geometry.normals, "uvs": uvs, "name": str(shape.id())}
         if not shape.is_emitter():
-            for mirrored, indices in self._by_hand(shape.bsdf(), geometry):
-                material = self._material(shape.bsdf(), mirrored=mirrored)
-                self._scene.add_mesh(geometry.positions, indices, **what, material=material)
-            return
+            return [
+                add(
+                    geometry.positions,
+                    indices,
+                    **what,
+                    material=self._material(shape.bsdf(), mirrored=mirrored),
+                )
+                for mirrored, indices in self._by_hand(shape.bsdf(), geometry)
+            ]
         emission = self._emission(shape, geometry)
         if emission is not None:
             what["material"] = self._material(shape.bsdf())
             self._scene.add_light_mesh(geometry.positions, geometry.indices, **what, **emission)
+        return []
 
     def _by_hand(self, bsdf: Any, geometry: Geometry) -> Iterator[tuple[bool, np.ndarray]]:
         """Triangles of a shape, and whether its normal map is mirrored there: Mitsuba's frames are
@@ -258,6 +289,12 @@ def _turned_about_y(angle: float) -> np.ndarray:
 def _values(thing: Any) -> dict[str, Any]:
     parameters = mitsuba().traverse(thing)
     return {key: parameters[key] for key in parameters.keys()}  # noqa: SIM118
+
+
+def _group_of(instance: Any) -> str:
+    """The id of its shapegroup, which it only prints."""
+    found = re.search(r'ShapeGroup\[\s*name = "(.*)"', str(instance))
+    return found[1] if found else ""
 
 
 def _is_textured(bsdf: Any) -> bool:
