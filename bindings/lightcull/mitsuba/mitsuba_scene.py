@@ -38,7 +38,7 @@ class MitsubaScene:
 
     scene: a `mi.Scene` of the variant that is set. digest: tells it from other scenes; None: it is
     not known, and no reference is ever found in the cache. integrator: what holds of the one of the
-    file, as `load_file` finds it; None: max_depth and rr_depth of that of the scene.
+    file, as `load_file` finds it; None: what that of the scene tells.
     """
 
     def __init__(
@@ -136,7 +136,9 @@ class MitsubaScene:
     def file_settings(self) -> FileSettings:
         """What film and integrator say."""
         size = None if self._sensor is None else self.size
-        return FileSettings(size, self.integrator.max_depth, self.integrator.rr_depth)
+        return FileSettings(
+            size, self.integrator.max_depth, self.integrator.rr_depth, self.integrator.hide_emitters
+        )
 
     @property
     def variant(self) -> str:
@@ -158,8 +160,12 @@ class MitsubaScene:
             importlib.import_module("drjit").set_thread_count(settings.threads)
         if settings.direct_light != "mis":
             raise Error("direct_light: not for Mitsuba, whose paths sample lights and the BSDF")
-        depths = {"max_depth": settings.max_depth, "rr_depth": settings.rr_depth}
-        integrator = self._new_integrator(sampler, **depths)
+        integrator = self._new_integrator(
+            sampler,
+            max_depth=settings.max_depth,
+            rr_depth=settings.rr_depth,
+            hide_emitters=settings.hide_emitters,
+        )
         return MitsubaJob(sampler, self.scene, self.sensor, integrator, settings.seed, spp)
 
     @property
@@ -216,14 +222,14 @@ class MitsubaScene:
         if self.size != size:
             raise Error(f"{self.name}: its film cannot be made {size[0]}x{size[1]}")
 
-    def _new_integrator(self, description: str, **depths: int) -> Any:
+    def _new_integrator(self, description: str, **wanted: int) -> Any:
         properties: dict[str, Any] = {"type": self.integrator.kind}
         if description == PATH:
             self._check_attributes()
         else:
             properties = self._of_lightcull(description)
         try:
-            return mitsuba().load_dict(properties | self.integrator.properties | depths)
+            return mitsuba().load_dict(properties | self.integrator.properties | wanted)
         except RuntimeError as error:
             reason = str(error).splitlines()[0].rsplit("] ", 1)[-1]
             raise Error(f"sampler {description!r}: {reason}") from error
@@ -273,4 +279,5 @@ def _integrator_of(scene: Any) -> FileIntegrator:
     if "DirectIntegrator[" in str(integrator):
         depth = DIRECT_DEPTH
     kind = PATH if integrator is None else _KINDS.get(integrator.class_name(), PATH)
-    return FileIntegrator(kind, depth, int(said.get("rr_depth", known.rr_depth)))
+    hidden = bool(getattr(integrator, "hide_emitters", False))
+    return FileIntegrator(kind, depth, int(said.get("rr_depth", known.rr_depth)), hidden)
