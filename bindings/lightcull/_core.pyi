@@ -387,6 +387,7 @@ class Renderer:
         rr_depth: int,
         direct_light: str,
         emission_apart: bool,
+        even_numbers: bool,
         hide_emitters: bool,
     ) -> None: ...
     def render_pass(self) -> bool: ...

@@ -2,7 +2,7 @@
 
 #include "base/random.h"
 #include "render/camera.h"
-#include "render/path_random.h"
+#include "render/pixel_numbers.h"
 
 #include <lightcull/render/renderer.h>
 
@@ -21,7 +21,7 @@ class PassRays {
     PassRays(const CameraRays& camera, const RenderSettings& settings, std::uint64_t pass) noexcept
         : camera_(camera),
           width_(settings.width),
-          lens_key_(hash(settings.seed, pass)),
+          lens_(hash(~settings.seed, std::uint64_t{1}), pass, 0),
           shift_key_(hash(~settings.seed, std::uint64_t{0})),
           steps_(static_cast<std::uint32_t>(pass)) {}
 
@@ -29,7 +29,7 @@ class PassRays {
         const std::uint32_t x = pixel % width_, y = pixel / width_;
         const V2f corner(static_cast<float>(x), static_cast<float>(y));
         V2f lens(0.0f);
-        if (camera_.has_lens()) lens = PathRandom(lens_key_, pixel, 0).two(Dimension::kLens);
+        if (camera_.has_lens()) lens = PixelNumbers(lens_, pixel).lens();
         return camera_.ray(corner + place(pixel), lens);
     }
 
@@ -47,7 +47,8 @@ class PassRays {
 
     const CameraRays& camera_;
     std::uint32_t width_;
-    std::uint64_t lens_key_, shift_key_;
+    PixelNumbers::Shared lens_;
+    std::uint64_t shift_key_;
     std::uint32_t steps_;
 };
 

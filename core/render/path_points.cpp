@@ -51,9 +51,17 @@ std::vector<ShadingPoint> path_points(const Scene& scene, const RenderSettings& 
     const CameraRays camera(scene.camera(), walk.width, walk.height);
     std::vector<V3f> pixels(std::size_t{walk.width} * walk.height);
     constexpr std::uint64_t kFirstPass = 0;
-    const Pass pass{data_of(scene), walk,          PassRays(camera, walk, kFirstPass),
-                    sampler,        nullptr,       hash(walk.seed, kFirstPass),
-                    nullptr,        pixels.data(), nullptr};
+    const Pass pass{data_of(scene),
+                    walk,
+                    PassRays(camera, walk, kFirstPass),
+                    sampler,
+                    nullptr,
+                    kFirstPass,
+                    hash(walk.seed, kFirstPass),
+                    numbers_key(walk, kFirstPass),
+                    nullptr,
+                    pixels.data(),
+                    nullptr};
 
     const std::vector<Tile> tiles = tiles_by_region(walk);
     std::vector<Points> parts(tiles.size());

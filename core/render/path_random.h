@@ -9,22 +9,21 @@ namespace lightcull {
 
 /// The use of a random number of a path vertex.
 enum class Dimension : std::uint64_t {
-    kLens,         ///< place on the lens
-    kSelectLight,  ///< u of LightSampler::select
+    kSelectLight,  ///< choice of a light
     kLightVertex,  ///< place on the light
     kEnvironment,  ///< cell of the environment
     kInCell,       ///< direction within it
     kLobe,         ///< choice between diffuse and specular
     kScatter,      ///< direction of the next ray
     kRoulette,
-    kLastRay,  ///< whether a path's last edge is traced
 };
 
-/// The random numbers of one vertex of a path: a hash of (seed, pass, pixel, depth, dimension).
+/// The random numbers of one vertex of a path, independent of all others: a hash of what they are
+/// for. PixelNumbers are for paths of which each pixel has many.
 class PathRandom {
   public:
-    PathRandom(std::uint64_t pass_key, std::uint32_t pixel, std::uint32_t depth) noexcept
-        : key_(hash(pass_key, pixel, depth)) {}
+    PathRandom(std::uint64_t key, std::uint32_t path, std::uint32_t depth) noexcept
+        : key_(hash(key, path, depth)) {}
 
     /// A number in [0, 1).
     float one(Dimension d) const noexcept { return uniform_float(bits(d)); }

@@ -32,6 +32,9 @@ double seconds_since(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
+/// What other keys of PixelNumbers than numbers_key() are hashed from beside the seed and the pass.
+constexpr std::uint64_t kForTrials = 2, kForTraining = 3;
+
 /// The bytes that LightSampler::select() needs for a point meanwhile.
 constexpr std::size_t kSelectionScratch = 20;
 
@@ -55,6 +58,7 @@ int thread_count(std::uint32_t wanted) {
 struct Renderer::Impl {
     std::shared_ptr<const Scene> scene;
     RenderSettings settings;
+    RenderSettings training;  ///< settings of paths that the sampler learns from
     std::unique_ptr<LightSampler> sampler;
     CameraRays camera;
     tbb::task_arena arena;
@@ -74,6 +78,7 @@ struct Renderer::Impl {
     Impl(std::shared_ptr<const Scene> s, const RenderSettings& r, std::unique_ptr<LightSampler> l)
         : scene(std::move(s)),
           settings(r),
+          training(r),
           sampler(std::move(l)),
           camera(scene->camera(), r.width, r.height),
           arena(thread_count(r.threads)),
@@ -81,13 +86,20 @@ struct Renderer::Impl {
           film(pass_pixels.size()),
           pass_emission(r.emission_apart ? pass_pixels.size() : 0),
           emission(pass_emission.size()),
-          refits(data_of(*scene).refits) {}
+          refits(data_of(*scene).refits) {
+        // The rays that a BSDF sends tell nothing.
+        if (training.direct_light == DirectLight::kMis) {
+            training.direct_light = DirectLight::kLights;
+        }
+    }
 
     void render_regions(const std::atomic<bool>* cancel);
+    void render_all(const Pass& pass);
+    void train(const std::atomic<bool>* cancel);
     void render_tiles(const Pass& pass, const std::vector<Tile>& tiles);
     void select_lights(const std::vector<std::uint8_t>& under_way);
 
-    Pass pass_of(std::uint64_t number, const std::atomic<bool>* cancel);
+    Pass pass_of(std::uint64_t number, const RenderSettings& how, const std::atomic<bool>* cancel);
     void find_last_ray_share(const std::atomic<bool>* cancel);
     double variance_with(float share, const std::atomic<bool>* cancel);
 };
@@ -97,25 +109,49 @@ void Renderer::Impl::render_regions(const std::atomic<bool>* cancel) {
     const Clock::time_point start = Clock::now();
     sampler->begin_pass(mix(settings.seed) + stats.passes);
     cost.sampler_seconds += seconds_since(start);
+    if (sampler->wants_reports()) train(cancel);
     std::fill(pass_pixels.begin(), pass_pixels.end(), V3f(0.0f));
     std::fill(pass_emission.begin(), pass_emission.end(), V3f(0.0f));
-    const Pass pass = pass_of(stats.passes, cancel);
+    render_all(pass_of(stats.passes, settings, cancel));
+}
+
+/// Lets the sampler learn from paths of some pixels, which are no part of the image. Those that are
+/// have numbers that cover their range evenly from pass to pass: what was learned from them would
+/// depend on numbers to come, and bias the image.
+void Renderer::Impl::train(const std::atomic<bool>* cancel) {
+    constexpr std::uint32_t kPoints = 1u << 14;  // so many tell enough
+    const RenderStats before = cost;
+    Pass pass = pass_of(stats.passes, training, cancel);
+    pass.numbers_key = hash(settings.seed, kForTraining, stats.passes);
+    pass.reports = true;
+    pass.one_in = std::clamp(settings.width * settings.height / kPoints, 1u, 16u);
+    render_all(pass);
+    for (Wavefront& wavefront : wavefronts) wavefront.take_ray_count();
+    cost.selections = before.selections;
+    cost.selection_seconds = before.selection_seconds;
+}
+
+void Renderer::Impl::render_all(const Pass& pass) {
     for (const Tile& region : tiles_of({0, 0, settings.width, settings.height}, kRegionSize)) {
         if (!pass.cancelled()) render_tiles(pass, tiles_of(region, kTileSize));
     }
 }
 
-Pass Renderer::Impl::pass_of(std::uint64_t number, const std::atomic<bool>* cancel) {
+Pass Renderer::Impl::pass_of(std::uint64_t number, const RenderSettings& how,
+                             const std::atomic<bool>* cancel) {
     return {data_of(*scene),
-            settings,
+            how,
             PassRays(camera, settings, number),
             *sampler,
             vertex_culling(*sampler),
+            number,
             hash(settings.seed, number),
+            numbers_key(settings, number),
             cancel,
             pass_pixels.data(),
             pass_emission.empty() ? nullptr : pass_emission.data(),
-            true,
+            false,
+            1,
             last_ray_share.value_or(1.0f)};
 }
 
@@ -188,8 +224,8 @@ double Renderer::Impl::variance_with(float share, const std::atomic<bool>* cance
     last_ray_share = share;
     TrialImage image(settings);
     for (std::uint64_t k = 0; k < kPasses; ++k) {
-        Pass pass = pass_of(k, cancel);
-        pass.reports = false;
+        Pass pass = pass_of(k, settings, cancel);
+        pass.numbers_key = hash(settings.seed, kForTrials, k);
         render_tiles(pass, image.tiles());
         image.take(pass_pixels);
     }

@@ -26,6 +26,7 @@ void Wavefront::start(const Pass& pass, const Tile& tile) {
     depth_ = 0;
     for (std::uint32_t y0 = tile.y0; y0 < tile.y1; y0 += kBlock) {
         for (std::uint32_t x0 = tile.x0; x0 < tile.x1; x0 += kBlock) {
+            if (pass.one_in > 1 && hash(pass.key, x0, y0) % pass.one_in != 0) continue;
             for (std::uint32_t y = y0; y < std::min(y0 + kBlock, tile.y1); ++y) {
                 for (std::uint32_t x = x0; x < std::min(x0 + kBlock, tile.x1); ++x) {
                     const std::uint32_t pixel = y * pass_->settings.width + x;
@@ -40,6 +41,7 @@ void Wavefront::start(const Pass& pass, const Tile& tile) {
 bool Wavefront::advance() {
     if (rays_.empty() || pass_->cancelled()) return false;
     ++depth_;
+    numbers_ = {pass_->numbers_key, pass_->number, depth_};
     intersect();
     add_emission();
     if (depth_ == pass_->settings.max_depth) return false;
@@ -149,7 +151,7 @@ void Wavefront::make_vertices() {
         surfaces_.push_back(make_surface(pass_->scene, hits_[i], rays_[i].direction));
         if (!needs_selection()) continue;
         points_.push_back(surfaces_.back().shading_point(set_of(k)));
-        selection_u_.push_back(random_of(path_of(k).pixel).one(Dimension::kSelectLight));
+        selection_u_.push_back(numbers_of(path_of(k).pixel).select_light());
     }
     selections_.assign(order_.size(), Selection{});
 }
@@ -177,7 +179,7 @@ void Wavefront::add_direct_light() {
     contributions_.clear();
     for (std::size_t k = 0; k < order_.size(); ++k) {
         const std::uint32_t pixel = path_of(k).pixel;
-        const PathRandom random = random_of(pixel);
+        const PixelNumbers numbers = numbers_of(pixel);
         const auto shoot = [&](const LightSample& sample, std::uint32_t vertex) {
             if (sample.value == V3f(0.0f)) return;
             shadow_rays_.push_back(sample.shadow_ray);
@@ -185,8 +187,8 @@ void Wavefront::add_direct_light() {
         };
         // The light and the environment get one ray each: a choice between the two would double the
         // variance of both.
-        if (has_lights()) shoot(sample_light(k, random), static_cast<std::uint32_t>(k));
-        if (pass_->scene.environment) shoot(sample_environment(k, random), kNone);
+        if (has_lights()) shoot(sample_light(k, numbers), static_cast<std::uint32_t>(k));
+        if (pass_->scene.environment) shoot(sample_environment(k, numbers), kNone);
     }
     occluded_.resize(shadow_rays_.size());
     pass_->scene.ray_tracer->occluded(shadow_rays_, occluded_);
@@ -194,7 +196,7 @@ void Wavefront::add_direct_light() {
     for (std::size_t j = 0; j < shadow_rays_.size(); ++j) {
         if (occluded_[j] == 0) pass_->pixels[contributions_[j].pixel] += contributions_[j].value;
     }
-    if (pass_->reports && pass_->sampler.wants_reports()) report_visibility();
+    if (pass_->reports) report_visibility();
 }
 
 void Wavefront::report_visibility() {
@@ -211,12 +213,12 @@ void Wavefront::report_visibility() {
 }
 
 Wavefront::LightSample Wavefront::sample_light(std::size_t vertex,
-                                               const PathRandom& random) const noexcept {
+                                               const PixelNumbers& numbers) const noexcept {
     const Surface& surface = surfaces_[vertex];
     const Selection& selection = selections_[vertex];
     if (!(selection.prob > 0.0f)) return {};
     const EmitterSample s = sample_emitter(pass_->scene, pass_->scene.emitters[selection.light],
-                                           surface.position, random.two(Dimension::kLightVertex));
+                                           surface.position, numbers.light_vertex());
     if (!(s.pdf > 0.0f) || s.direction.dot(surface.normal) <= 0.0f) return {};
     const BsdfValue bsdf = surface.bsdf.evaluate(s.direction);
     const V3f value = path_of(vertex).throughput * bsdf.value * s.radiance;
@@ -238,10 +240,10 @@ Wavefront::LightSample Wavefront::sample_light(std::size_t vertex,
 }
 
 Wavefront::LightSample Wavefront::sample_environment(std::size_t vertex,
-                                                     const PathRandom& random) const noexcept {
+                                                     const PixelNumbers& numbers) const noexcept {
     const Surface& surface = surfaces_[vertex];
-    const EnvironmentSample s = pass_->scene.environment->sample(
-        random.fine(Dimension::kEnvironment), random.two(Dimension::kInCell));
+    const auto [cell, within] = numbers.environment();
+    const EnvironmentSample s = pass_->scene.environment->sample(cell, within);
     if (!(s.pdf > 0.0f) || s.direction.dot(surface.normal) <= 0.0f) return {};
     const BsdfValue bsdf = surface.bsdf.evaluate(s.direction);
     const bool mis = pass_->settings.direct_light == DirectLight::kMis;
@@ -268,17 +270,17 @@ void Wavefront::scatter() {
     for (std::size_t k = 0; k < order_.size(); ++k) {
         const Path& path = path_of(k);
         const Surface& surface = surfaces_[k];
-        const PathRandom random = random_of(path.pixel);
+        const PixelNumbers numbers = numbers_of(path.pixel);
         const float share = ray_share(surface);
-        if (share < 1.0f && random.one(Dimension::kLastRay) >= share) continue;
-        const float lobe = surface.bsdf.is_specular() ? random.one(Dimension::kLobe) : 0.0f;
-        const BsdfSample s = surface.bsdf.sample(lobe, random.two(Dimension::kScatter));
+        if (share < 1.0f && numbers.last_ray() >= share) continue;
+        const PixelNumbers::Scatter u = numbers.scatter();
+        const BsdfSample s = surface.bsdf.sample(u.lobe, u.direction);
         V3f throughput = path.throughput * s.weight * (1.0f / share);
         if (throughput == V3f(0.0f) || s.direction.dot(surface.normal) <= 0.0f) continue;
         if (depth_ >= pass_->settings.rr_depth) {
             constexpr float kMostLikely = 0.95f;
             const float survival = std::min(kMostLikely, max_component(throughput));
-            if (random.one(Dimension::kRoulette) >= survival) continue;
+            if (numbers.roulette() >= survival) continue;
             throughput /= survival;
         }
         next_paths_.push_back({path.pixel, throughput, s.pdf * share, {}, selections_[k].receipt});

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "render/pass_rays.h"
-#include "render/path_random.h"
+#include "render/pixel_numbers.h"
 #include "render/ray.h"
 #include "render/surface.h"
 #include "render/tiles.h"
@@ -25,11 +25,14 @@ struct Pass {
     PassRays camera_rays;
     const LightSelector& sampler;
     const VertexCulling* vertex_culling;  ///< vertex culling of the sampler; may be null
-    std::uint64_t key;                    ///< key of the pass's random numbers
+    std::uint64_t number;                 ///< number of the pass
+    std::uint64_t key;                    ///< a hash of the seed and the number
+    std::uint64_t numbers_key;            ///< key of PixelNumbers
     const std::atomic<bool>* cancel;      ///< may be null
-    V3f* pixels;          ///< place where the samples go: height * width, black at first
-    V3f* emission;        ///< another for the part that the camera sees of emitters; may be null
-    bool reports = true;  ///< the sampler is told what shadow rays find
+    V3f* pixels;           ///< place where the samples go: height * width, black at first
+    V3f* emission;         ///< another for the part that the camera sees of emitters; may be null
+    bool reports = false;  ///< the sampler is told what shadow rays find
+    std::uint32_t one_in = 1;     ///< one of so many blocks of pixels is traced
     float last_ray_share = 1.0f;  ///< share of paths that trace their last edge where it leaves a
                                   ///< broad BSDF and is there for MIS alone, (0, 1]
 
@@ -106,8 +109,8 @@ class Wavefront {
     void make_vertices();
     std::uint32_t set_of(std::size_t vertex) const noexcept;
     void add_direct_light();
-    LightSample sample_light(std::size_t vertex, const PathRandom& random) const noexcept;
-    LightSample sample_environment(std::size_t vertex, const PathRandom& random) const noexcept;
+    LightSample sample_light(std::size_t vertex, const PixelNumbers& numbers) const noexcept;
+    LightSample sample_environment(std::size_t vertex, const PixelNumbers& numbers) const noexcept;
     void report_visibility();
     float ray_share(const Surface& surface) const noexcept;
     void scatter();
@@ -115,9 +118,10 @@ class Wavefront {
     bool needs_selection() const noexcept;
     bool has_lights() const noexcept;
     const Path& path_of(std::size_t vertex) const noexcept { return paths_[order_[vertex]]; }
-    PathRandom random_of(std::uint32_t pixel) const noexcept { return {pass_->key, pixel, depth_}; }
+    PixelNumbers numbers_of(std::uint32_t pixel) const noexcept { return {numbers_, pixel}; }
 
     const Pass* pass_ = nullptr;
+    PixelNumbers::Shared numbers_{0, 0, 0};
     std::uint32_t depth_ = 0;  ///< edges of the paths so far, the rays under way included
     std::uint64_t rays_traced_ = 0;
 

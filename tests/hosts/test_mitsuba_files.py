@@ -167,14 +167,27 @@ def test_integrators_with_derivatives_are_paths_in_any_variant(tmp_path: Path) -
     assert mean(scene) == pytest.approx(0.4313, rel=0.015)
 
 
-def test_media_are_rendered_by_mitsuba_itself(tmp_path: Path) -> None:
-    path = write(tmp_path, f'<integrator type="volpath">{DEPTH_2}</integrator>', STAGE + FOG)
+@pytest.mark.parametrize("integrator", ["volpath", "lightcull_volpath"])
+def test_media_are_rendered(tmp_path: Path, integrator: str) -> None:
+    path = write(tmp_path, f'<integrator type="{integrator}">{DEPTH_2}</integrator>', STAGE + FOG)
     scene, said = loaded(path)
-    assert "media" in said and "volpath" in said
-    assert scene.best_sampler == "path"
+    assert "media" in said and "'path' is Mitsuba's volpath" in said and "\n" not in said
+    assert scene.best_sampler == "light_bvh:importance=means"
     assert mean(scene) == pytest.approx(mean_by_mitsuba(path), rel=TOLERANCE)
+    by_mitsuba = lightcull.render(scene, "path", spp=SPP).image.mean()
+    assert mean(scene) == pytest.approx(by_mitsuba, rel=TOLERANCE)
     with pytest.raises(lightcull.Error, match="not for the media"):
         lightcull.render(scene, "learned", spp=1)
+
+
+def test_a_camera_in_a_medium_is_not_taken_out_of_it(tmp_path: Path) -> None:
+    medium = '<medium type="homogeneous"><float name="sigma_t" value="0.3"/></medium></sensor>'
+    stage = STAGE.replace("</sensor>", medium)
+    scene, said = loaded(write(tmp_path, f'<integrator type="volpath">{DEPTH_2}</integrator>', stage))
+    assert "media" in said
+    assert mean(scene) < 0.9 * 0.4313, "fog takes light away"
+    scene.use_camera(View(vertical_fov=0.6))
+    assert mean(scene) < 0.9 * 0.4313
 
 
 def test_what_a_call_says_comes_before_the_file(tmp_path: Path) -> None:
@@ -631,4 +644,5 @@ def test_media_of_a_scene_that_is_no_file_are_not_left_out_silently(tmp_path: Pa
     path = write(tmp_path, f'<integrator type="volpath">{DEPTH_2}</integrator>', STAGE + FOG)
     mi.set_variant("scalar_rgb")
     scene = MitsubaScene(mi.load_file(str(path)))
-    assert (scene.integrator.kind, scene.best_sampler) == ("volpath", "path")
+    means = "light_bvh:importance=means"
+    assert (scene.integrator.kind, scene.best_sampler) == ("volpath", means)

@@ -25,11 +25,16 @@ from .host import build_digest, mitsuba
 from .mitsuba_job import MitsubaJob, check_film
 
 
+IN_MEDIA = "light_bvh:importance=means"
+"""The sampler of `lightcull_volpath`, which has no other."""
+
+
 class MitsubaScene:
     """A scene of Mitsuba's, which `lightcull.render` and `lightcull.compare` take, too.
 
     Its samplers are those of `lightcull_path`, with their options ("culled:sets=16"), and "path",
-    which is Mitsuba's own integrator: `path`, or `volpath` where the file says that.
+    which is Mitsuba's own integrator: `path`, or `volpath` where the file says that. Where it says
+    that, and there are media, there is `IN_MEDIA` in place of the former, by `lightcull_volpath`.
 
     scene: a `mi.Scene` of the variant that is set. digest: tells it from other scenes; None: it is
     not known, and no reference is ever found in the cache. integrator: what holds of the one of the
@@ -49,7 +54,7 @@ class MitsubaScene:
         self.integrator = _integrator_of(scene) if integrator is None else integrator
         self._has_media = any(
             shape.interior_medium() or shape.exterior_medium() for shape in scene.shapes()
-        )
+        ) or any(sensor.get_medium() for sensor in scene.sensors())
         self._sensor = next(iter(scene.sensors()), None)
         self._variant = mitsuba().variant()
         self._digest = digest or os.urandom(16).hex()
@@ -165,13 +170,24 @@ class MitsubaScene:
 
     @property
     def best_sampler(self) -> str:
-        """`learned`; "path" where there are media, which Mitsuba alone renders."""
-        return PATH if self.wants_media else "learned"
+        """`learned`; `IN_MEDIA` where there are media."""
+        return IN_MEDIA if self.wants_media else "learned"
 
     @property
     def wants_media(self) -> bool:
         """Whether there are media, and the integrator of the scene renders them."""
         return self._has_media and self.integrator.kind != PATH
+
+    def _of_lightcull(self, description: str) -> dict[str, Any]:
+        if not self.wants_media:
+            # A job is one render to its user, though it is many to Mitsuba.
+            return {"type": "lightcull_path", "light_sampler": description, "keep_learned": True}
+        if description != IN_MEDIA:
+            raise Error(
+                f"sampler {description!r}: not for the media of {self.name}: {IN_MEDIA} renders "
+                f"them by lightcull_volpath, and path by Mitsuba's {self.integrator.kind}"
+            )
+        return {"type": "lightcull_volpath"}
 
     def _set_size(self, size: tuple[int, int]) -> None:
         """A crop window is scaled with its film: the picture shows what it showed before."""
@@ -197,17 +213,7 @@ class MitsubaScene:
     def _new_integrator(self, description: str, **wanted: int) -> Any:
         properties: dict[str, Any] = {"type": self.integrator.kind}
         if description != PATH:
-            if self.wants_media:
-                raise Error(
-                    f"sampler {description!r}: not for the media of {self.name}: "
-                    f"path renders them, by Mitsuba's {self.integrator.kind}"
-                )
-            # A job is one render to its user, though it is many to Mitsuba.
-            properties = {
-                "type": "lightcull_path",
-                "light_sampler": description,
-                "keep_learned": True,
-            }
+            properties = self._of_lightcull(description)
         try:
             return mitsuba().load_dict(properties | self.integrator.properties | wanted)
         except RuntimeError as error:
@@ -239,7 +245,11 @@ def _corners(shape: Any) -> np.ndarray:
     return np.array([box.min, box.max], np.float32).reshape(2, 3)
 
 
-_KINDS = {"VolumetricPathIntegrator": "volpath", "VolpathMisIntegratorImpl": "volpathmis"}
+_KINDS = {
+    "VolumetricPathIntegrator": "volpath",
+    "VolpathMisIntegratorImpl": "volpathmis",
+    "LightcullVolpath": "volpath",
+}
 
 
 def _integrator_of(scene: Any) -> FileIntegrator:

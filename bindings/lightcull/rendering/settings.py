@@ -34,6 +34,9 @@ class RenderSettings:
     """One of DIRECT_LIGHT: lights and the BSDF are sampled (mis), or one of them alone."""
     emission_apart: bool = False
     """Whether what the camera sees of emitters directly is kept in a film of its own."""
+    even_numbers: bool = True
+    """Whether the random numbers of a pixel cover their ranges evenly from pass to pass, which leaves
+    less error; else passes are independent, for statistics of one."""
     hide_emitters: bool = False
     """Whether the camera sees neither triangles that emit nor the environment."""
 

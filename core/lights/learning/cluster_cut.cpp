@@ -14,6 +14,7 @@ void ClusterCut::clear() noexcept {
     std::fill(std::begin(far_scale), std::end(far_scale), 0.0f);
     std::fill(std::begin(place_of), std::end(place_of), std::uint8_t{0});
     std::fill(std::begin(cluster_at), std::end(cluster_at), std::uint8_t{0});
+    std::fill(std::begin(run), std::end(run), std::uint8_t{0});
     std::fill(std::begin(first_leaf), std::end(first_leaf), 0xffffffffu);
     std::fill(std::begin(slot), std::end(slot), LightBvh<MeansNode>::kNoSlot);
     size = near_size = 0;
@@ -29,33 +30,36 @@ std::uint32_t ClusterCut::cluster_of_leaf(std::uint32_t leaf) const noexcept {
     return cluster;
 }
 
-CutChoice choose(const CutWeights& weights, double number) noexcept {
-    constexpr std::size_t kStride = CutWeights::kStride;
+CutChoice choose(const ClusterCut& cut, const CutWeights& weights, double number) noexcept {
+    constexpr std::size_t kStride = CutWeights::kStride, kRuns = CutWeights::kRuns;
     double left = number * static_cast<double>(weights.total());
     // Down the sums: rounding may leave a little at the end, which falls to what has any weight.
     // Nobody can predict what is chosen: numbers instead of branches.
-    const float* sums = weights.sums + 2 * kStride - 2;
-    std::size_t column = 0;
-    for (std::size_t half = 1; half < kStride; half *= 2) {
+    const float* sums = weights.sums + 2 * kRuns - 2;
+    std::size_t at = 0;
+    for (std::size_t half = 1; half < kRuns; half *= 2) {
         sums -= 2 * half;
-        const auto first = static_cast<double>(sums[column]);
+        const auto first = static_cast<double>(sums[at]);
         const auto second =
-            static_cast<int>(left >= first) & static_cast<int>(sums[column + half] > 0.0f);
+            static_cast<int>(left >= first) & static_cast<int>(sums[at + half] > 0.0f);
         left -= first * second;
-        column += half * static_cast<std::size_t>(second);
+        at += half * static_cast<std::size_t>(second);
     }
+    const std::size_t run = cut.run[at], part = run / kStride;
+    const std::size_t bounds[] = {0, weights.near_size, weights.size};
+    const std::size_t top = bounds[part] + run % kStride;
     double before[CutWeights::kMaxSize / kStride];
     double sum = 0.0;
     std::size_t begun = 0, rows = 0;
-    for (std::size_t i = column; i < weights.size; i += kStride) {
+    for (std::size_t i = top; i < bounds[part + 1]; i += kStride) {
         before[rows++] = sum;
         begun += static_cast<std::size_t>(sum <= left);
         sum += static_cast<double>(weights.of[i]);
     }
     // The last cluster with any weight that begins before the place.
     std::size_t row = begun - 1;
-    while (row > 0 && !(weights.of[column + row * kStride] > 0.0f)) --row;
-    const std::size_t chosen = column + row * kStride;
+    while (row > 0 && !(weights.of[top + row * kStride] > 0.0f)) --row;
+    const std::size_t chosen = top + row * kStride;
     const double within = (left - before[row]) / static_cast<double>(weights.of[chosen]);
     constexpr double kBelowOne = 1.0 - 0x1p-53;
     return {static_cast<std::uint32_t>(chosen), std::clamp(within, 0.0, kBelowOne)};

@@ -26,6 +26,8 @@ struct alignas(64) ClusterCut : ClusterMeans<128> {
     LightBvhSlot slot[kMaxSize];         ///< slot of the tree that holds a cluster
     std::uint8_t place_of[kMaxSize];     ///< place of a cluster
     std::uint8_t cluster_at[kMaxSize];   ///< cluster of a place
+    std::uint8_t run[2 * kBlock];        ///< runs in the order in which choose() goes through them:
+                                         ///< see CutWeights::sums
     std::uint32_t size = 0;              ///< number of clusters
     std::uint32_t near_size = 0;         ///< place of the first far one, a multiple of kBlock
 
@@ -42,21 +44,25 @@ struct alignas(64) ClusterCut : ClusterMeans<128> {
 /// lies in it are replaced by the children of their nodes, by `visible`.
 struct alignas(64) CutWeights {
     static constexpr std::size_t kStride = ClusterCut::kBlock;
+    static constexpr std::size_t kRuns = 2 * kStride;
     static constexpr std::uint32_t kWidth = LightBvhNode::kWidth;
     static constexpr std::uint32_t kMaxOpened = 16;
     static constexpr std::uint32_t kMaxSize = ClusterCut::kMaxSize + kMaxOpened * kWidth;
 
     float of[kMaxSize];  ///< weights: first by place in the cut, from first_opened on by place in
                          ///< the opened nodes; 0 for a cluster that was opened, and between
-    /// At first the sums over every kStride-th place, from each of the first on; then, in turn, as
-    /// many sums of the i-th of these and the i-th of their second half, to the last, of all.
-    float sums[2 * kStride];
-    std::uint32_t size;                ///< number of places
-    std::uint32_t first_opened;        ///< place of the first child of the first opened node
-    std::uint32_t opened_count;        ///< number of opened nodes
+    /// A run is every kStride-th place from one of the first on, of what was weighed as near (runs
+    /// 0 to kStride - 1) or of the others. At first their sums, in the order of ClusterCut::run;
+    /// then, in turn, as many sums of the i-th of these and the i-th of their second half, to the
+    /// last, of all.
+    float sums[2 * kRuns];
+    std::uint32_t size;          ///< number of places
+    std::uint32_t near_size;     ///< number of places of clusters that were weighed as near ones
+    std::uint32_t first_opened;  ///< place of the first child of the first opened node
+    std::uint32_t opened_count;  ///< number of opened nodes
     std::uint32_t opened[kMaxOpened];  ///< opened nodes of the tree
 
-    float total() const noexcept { return sums[2 * kStride - 2]; }
+    float total() const noexcept { return sums[2 * kRuns - 2]; }
 
     /// The cluster of a place, in the form of BoundsNode::child.
     std::uint32_t child(const LightBvh<MeansNode>& bvh, const ClusterCut& cut,
@@ -73,8 +79,9 @@ struct CutChoice {
     double within;        ///< place in the cluster's share where the choice fell, [0, 1)
 };
 
-/// Chooses a cluster in proportion to its weight, by a number in [0, 1). Their total must not
-/// be 0.
-CutChoice choose(const CutWeights& weights, double number) noexcept;
+/// Chooses a cluster in proportion to its weight, by a number in [0, 1). Their total must not be 0.
+/// Runs are chosen from in the order of the tree's leaves, about: numbers that are close choose
+/// clusters that are.
+CutChoice choose(const ClusterCut& cut, const CutWeights& weights, double number) noexcept;
 
 }  // namespace lightcull

@@ -184,8 +184,38 @@ bool is_far(const MeansNode& node, std::size_t i, const CutPlace& place) noexcep
     return facing + root > 2.0f * least * length(normal);
 }
 
+/// The index of i < 2^bits with its bits reversed: sums of halves are gone through in that order.
+constexpr std::uint32_t reversed(std::uint32_t i, std::uint32_t bits) noexcept {
+    std::uint32_t r = 0;
+    for (std::uint32_t bit = 0; bit < bits; ++bit) r |= (i >> bit & 1u) << (bits - 1 - bit);
+    return r;
+}
+
+/// Calls visit(place) for the places from `begin` to `end`, run by run. `begin` begins a block.
+template <typename Visit>
+void for_each_place(std::uint32_t begin, std::uint32_t end, const Visit& visit) {
+    for (std::uint32_t column = 0; column < ClusterCut::kBlock; ++column) {
+        for (std::uint32_t at = begin + column; at < end; at += ClusterCut::kBlock) visit(at);
+    }
+}
+
+/// Puts the runs of a cut in order, by the clusters of their first places.
+void order_runs(ClusterCut& cut) noexcept {
+    constexpr std::uint32_t kRuns = CutWeights::kRuns, kBits = 5;
+    static_assert(kRuns == 1u << kBits);
+    std::array<std::pair<std::uint32_t, std::uint8_t>, kRuns> order;
+    for (std::uint8_t run = 0; run < kRuns; ++run) {
+        const std::uint32_t place =
+            run < ClusterCut::kBlock ? run : cut.near_size + run - ClusterCut::kBlock;
+        order[run] = {place < cut.size ? cut.cluster_at[place] : ClusterCut::kMaxSize, run};
+    }
+    std::sort(order.begin(), order.end());
+    for (std::uint32_t i = 0; i < kRuns; ++i) cut.run[reversed(i, kBits)] = order[i].second;
+}
+
 /// Gives each cluster of a cut its place: near ones first, with those next to the cell where they
-/// do not fill their blocks. Sets far_scale as it is where `scale` is 1.
+/// do not fill their blocks. The clusters of a run are next to each other in the order of the
+/// tree's leaves. Sets far_scale as it is where `scale` is 1.
 void find_places(const LightBvh<MeansNode>& bvh, const CutPlace& place, const GivenToPlace& given,
                  ClusterCut& cut) noexcept {
     float by_cosine[ClusterCut::kMaxSize];  // of clusters that may be far; 0: others
@@ -205,12 +235,20 @@ void find_places(const LightBvh<MeansNode>& bvh, const CutPlace& place, const Gi
     std::sort(order.begin(), order.begin() + cut.size);
     constexpr std::uint32_t kBlock = ClusterCut::kBlock;
     cut.near_size = (near + kBlock - 1) / kBlock * kBlock;
-    for (std::uint32_t at = 0; at < cut.size; ++at) {
-        const std::uint8_t cluster = order[at].second;
+    const std::uint32_t first_far = std::min(cut.near_size, cut.size);
+    std::uint8_t next = 0;
+    const auto in_order = [](const auto& a, const auto& b) { return a.second < b.second; };
+    std::sort(order.begin(), order.begin() + first_far, in_order);
+    std::sort(order.begin() + first_far, order.begin() + cut.size, in_order);
+    const auto place_next = [&](std::uint32_t at) {
+        const std::uint8_t cluster = order[next++].second;
         cut.cluster_at[at] = cluster;
         cut.place_of[cluster] = static_cast<std::uint8_t>(at);
         cut.far_scale[at] = at < cut.near_size ? 0.0f : by_cosine[cluster];
-    }
+    };
+    for_each_place(0, first_far, place_next);
+    for_each_place(first_far, cut.size, place_next);
+    order_runs(cut);
 }
 
 class CutBuilder {

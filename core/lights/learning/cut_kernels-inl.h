@@ -62,11 +62,18 @@ HWY_ATTR HWY_INLINE hn::Vec<Tag> far_weights_at(const ClusterCut& cut, std::size
     return hn::IfThenElseZero(above, hn::Max(w, hn::Zero(d)));
 }
 
-/// Adds up the sums over every kStride-th place.
-inline void add_up(CutWeights& weights) {
+/// The sums of runs.
+struct alignas(64) RunSums {
+    float of[CutWeights::kRuns];
+};
+
+/// Brings the sums of runs into order, and adds them up.
+inline void add_up(const ClusterCut& cut, const RunSums& runs, CutWeights& weights) {
+    constexpr std::size_t kRuns = CutWeights::kRuns;
+    for (std::size_t i = 0; i < kRuns; ++i) weights.sums[i] = runs.of[cut.run[i]];
     const float* from = weights.sums;
-    float* to = weights.sums + kStride;
-    for (std::size_t half = kStride / 2; half > 0; half /= 2) {
+    float* to = weights.sums + kRuns;
+    for (std::size_t half = kRuns / 2; half > 0; half /= 2) {
         for (std::size_t i = 0; i < half; ++i) to[i] = from[i] + from[i + half];
         from = to;
         to += half;
@@ -145,17 +152,20 @@ HWY_ATTR inline void open_blurred(const LightBvh<MeansNode>& bvh, const ClusterC
     }
 }
 
-/// Sums the weights in columns.
-HWY_ATTR inline void sum(CutWeights& weights) {
+HWY_ATTR inline void sum(const ClusterCut& cut, CutWeights& weights) {
     const Tag d;
-    for (std::size_t column = 0; column < kStride; column += hn::Lanes(d)) {
-        auto sum = hn::Zero(d);
-        for (std::size_t i = column; i < weights.size; i += kStride) {
-            sum = hn::Add(sum, hn::Load(d, weights.of + i));
+    RunSums runs;
+    const std::size_t bounds[] = {0, weights.near_size, weights.size};
+    for (std::size_t part = 0; part < 2; ++part) {
+        for (std::size_t column = 0; column < kStride; column += hn::Lanes(d)) {
+            auto sum = hn::Zero(d);
+            for (std::size_t i = bounds[part] + column; i < bounds[part + 1]; i += kStride) {
+                sum = hn::Add(sum, hn::Load(d, weights.of + i));
+            }
+            hn::Store(sum, d, runs.of + part * kStride + column);
         }
-        hn::Store(sum, d, weights.sums + column);
     }
-    add_up(weights);
+    add_up(cut, runs, weights);
 }
 
 HWY_ATTR inline void weigh_lobe(const LightBvh<MeansNode>& bvh, const ClusterCut& cut,
@@ -171,9 +181,9 @@ HWY_ATTR inline void weigh_lobe(const LightBvh<MeansNode>& bvh, const ClusterCut
         hn::Store(blur_of(d, w, blurred), d, blur.of + i);
     }
     for (std::size_t i = 0; i < CutWeights::kMaxSize; i += kStride) find_most(blur, i);
-    sum(weights);
+    sum(cut, weights);
     open_blurred(bvh, cut, receiver, weights, blur);
-    if (weights.opened_count > 0) sum(weights);
+    if (weights.opened_count > 0) sum(cut, weights);
 }
 
 HWY_ATTR inline void weigh(const LightBvh<MeansNode>& bvh, const ClusterCut& cut,
@@ -181,10 +191,11 @@ HWY_ATTR inline void weigh(const LightBvh<MeansNode>& bvh, const ClusterCut& cut
     weights.size = static_cast<std::uint32_t>((cut.size + kStride - 1) / kStride * kStride);
     weights.first_opened = weights.size;
     weights.opened_count = 0;
+    weights.near_size = is_near_all(receiver) ? weights.size : cut.near_size;
     if (receiver.has_lobe()) return weigh_lobe(bvh, cut, receiver, weights);
     const Tag d;
     const std::size_t lanes = hn::Lanes(d);
-    const std::size_t near = is_near_all(receiver) ? weights.size : cut.near_size;
+    RunSums runs;
     for (std::size_t column = 0; column < kStride; column += lanes) {
         auto sum = hn::Zero(d);
         const auto add = [&](std::size_t i, hn::Vec<Tag> w) HWY_ATTR {
@@ -192,11 +203,13 @@ HWY_ATTR inline void weigh(const LightBvh<MeansNode>& bvh, const ClusterCut& cut
             sum = hn::Add(sum, w);
         };
         std::size_t i = column;
-        for (; i < near; i += kStride) add(i, weights_at(cut, i, receiver, nullptr));
+        for (; i < weights.near_size; i += kStride) add(i, weights_at(cut, i, receiver, nullptr));
+        hn::Store(sum, d, runs.of + column);
+        sum = hn::Zero(d);
         for (; i < weights.size; i += kStride) add(i, far_weights_at(cut, i, receiver));
-        hn::Store(sum, d, weights.sums + column);
+        hn::Store(sum, d, runs.of + kStride + column);
     }
-    add_up(weights);
+    add_up(cut, runs, weights);
 }
 
 HWY_ATTR inline float weight_of(const ClusterCut& cut, std::uint32_t place,

@@ -221,7 +221,7 @@ class LearnedPass final : public LightSelector, public SamplerInfo {
         descent.child = LightBvhNode::kLight;
         if (!(weights.total() > 0.0f)) return;
         const ClusterCut& cut = cut_of(cell);
-        const CutChoice choice = choose(weights, number);
+        const CutChoice choice = choose(cut, weights, number);
         descent.place = choice.within;
         descent.prob =
             static_cast<double>(weights.of[choice.place]) / static_cast<double>(weights.total());

@@ -196,7 +196,7 @@ void SceneLights<Float, Spectrum>::add_directional(const Emitter* emitter) {
 template <typename Float, typename Spectrum>
 void SceneLights<Float, Spectrum>::add_unplaced(const Emitter* emitter) {
     if (!EmissionProbe<Float, Spectrum>(emitter).can_be_sampled(middle_)) {
-        Throw("lightcull_path: %s: its radiance or place is not finite", name_of(emitter));
+        Throw("lightcull: %s: its radiance or place is not finite", name_of(emitter));
     }
     unplaced_.push_back({emitter, emitter->sampling_weight()});
 }
@@ -206,10 +206,10 @@ void SceneLights<Float, Spectrum>::add_light(const Emitter* emitter, const Light
                                              const Triangle& triangle) {
     if (!finite(triangle.a) || !finite(triangle.b) || !finite(triangle.c) ||
         !finite(light.center) || !std::isfinite(light.radius)) {
-        Throw("lightcull_path: %s: its geometry is not finite", name_of(emitter));
+        Throw("lightcull: %s: its geometry is not finite", name_of(emitter));
     }
     if (!std::isfinite(light.intensity)) {
-        Throw("lightcull_path: %s: its radiance is not finite", name_of(emitter));
+        Throw("lightcull: %s: its radiance is not finite", name_of(emitter));
     }
     source_of_.push_back(static_cast<std::uint32_t>(sources_.size()));
     lights_.push_back(light);

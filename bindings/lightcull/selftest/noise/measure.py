@@ -14,7 +14,7 @@ from .situation import Estimate, Situation, Subject
 
 DEFAULT = "learned"
 OTHERS = ("uniform", "power", "light_bvh", "light_bvh:importance=means", "exhaustive")
-SEEDS = 2
+SEEDS = 4
 PASSES = 64
 
 MOST = 1.25

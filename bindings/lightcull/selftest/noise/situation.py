@@ -53,7 +53,9 @@ class Picture:
 
     def estimate(self, sampler: str, seed: int, passes: int) -> Estimate:
         """The places are pixels."""
-        settings = RenderSettings((self._EDGE, self._EDGE), self._max_depth, seed, threads=1)
+        settings = RenderSettings(
+            (self._EDGE, self._EDGE), self._max_depth, seed, threads=1, even_numbers=False
+        )
         job = PathJob(self.scene, sampler, settings)
         sums = []
         for number in range(1, passes + 1):

@@ -30,6 +30,8 @@ struct RenderSettings {
     std::uint64_t seed = 0;
     std::uint32_t threads = 0;  ///< largest number of threads; 0: as many as the machine has
     DirectLight direct_light = DirectLight::kMis;
+    bool even_numbers = true;  ///< random numbers of a pixel cover their ranges evenly from pass to
+                               ///< pass; false: passes are independent, for statistics of one
     bool emission_apart = false;  ///< keep what the camera sees of emitters in a film of its own,
                                   ///< for Renderer::emission() and lit()
     bool hide_emitters = false;   ///< the camera sees neither triangles that emit, through which

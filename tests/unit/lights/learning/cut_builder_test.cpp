@@ -71,6 +71,23 @@ double misjudged(const ClusterCut& cut, const Receiver& receiver,
     return off / sum;
 }
 
+/// Makes the sums of weights.
+void add_up(const ClusterCut& cut, CutWeights& weights) {
+    constexpr std::uint32_t kStride = CutWeights::kStride, kRuns = CutWeights::kRuns;
+    float of_runs[kRuns] = {};
+    for (std::uint32_t i = 0; i < weights.size; ++i) {
+        of_runs[(i < weights.near_size ? 0 : kStride) + i % kStride] += weights.of[i];
+    }
+    for (std::uint32_t i = 0; i < kRuns; ++i) weights.sums[i] = of_runs[cut.run[i]];
+    for (std::size_t from = 0, half = kRuns / 2; half > 0; half /= 2) {
+        const std::size_t to = from + 2 * half;
+        for (std::size_t i = 0; i < half; ++i) {
+            weights.sums[to + i] = weights.sums[from + i] + weights.sums[from + half + i];
+        }
+        from = to;
+    }
+}
+
 }  // namespace
 
 TEST_CASE("a cut weighs clusters by what their parts give the place") {
@@ -164,6 +181,25 @@ TEST_CASE("a cut's places hold each cluster once, near ones first") {
         CHECK(cut.cluster_at[cut.place_of[i]] == i);
         CHECK((cut.far_scale[i] > 0.0f) == (i >= cut.near_size));
     }
+    // A choice goes through them in the order of the tree's leaves, but for runs that overlap.
+    CutWeights weights{};
+    weights.size = weights.first_opened =
+        (cut.size + ClusterCut::kBlock - 1) / ClusterCut::kBlock * ClusterCut::kBlock;
+    weights.near_size = cut.near_size;
+    for (std::uint32_t i = 0; i < cut.size; ++i) weights.of[i] = 1.0f;
+    add_up(cut, weights);
+    constexpr int kLongestRun = ClusterCut::kMaxSize / ClusterCut::kBlock;
+    std::vector<std::uint8_t> chosen(cut.size);
+    int last = 0, steps_back = 0;
+    for (std::uint32_t i = 0; i < cut.size; ++i) {
+        const CutChoice choice = choose(cut, weights, (i + 0.5) / cut.size);
+        const int cluster = cut.cluster_at[choice.place];
+        ++chosen[static_cast<std::size_t>(cluster)];
+        steps_back += cluster < last ? 1 : 0;
+        last = cluster;
+    }
+    CHECK(std::all_of(chosen.begin(), chosen.end(), [](int count) { return count == 1; }));
+    CHECK(steps_back <= kLongestRun);
     // A cell that is as wide as all the lights has no far ones.
     rebuild_cut(bvh, LeafOrder(bvh), {{0, 0, 0}, {0, 0, 0}, 1.0f}, cut, evidence);
     CHECK(cut.near_size >= cut.size);
@@ -171,28 +207,25 @@ TEST_CASE("a cut's places hold each cluster once, near ones first") {
 
 TEST_CASE("a choice out of a cut falls on each place as often as its weight says") {
     // As many places as with an odd number of opened nodes: the last row is half of one.
-    constexpr std::size_t kStride = CutWeights::kStride;
+    ClusterCut cut;
+    for (std::uint8_t i = 0; i < CutWeights::kRuns; ++i) {
+        cut.run[i] = static_cast<std::uint8_t>(7 * i % CutWeights::kRuns);
+    }
     CutWeights weights{};
+    weights.near_size = 48;
     weights.first_opened = 112;
     weights.opened_count = 1;
     weights.size = weights.first_opened + CutWeights::kWidth;
     float total = 0.0f;
     for (std::uint32_t i = 0; i < weights.size; ++i) {
         weights.of[i] = static_cast<float>(i % 7 == 3 ? 0 : 1 + i % 5);
-        weights.sums[i % kStride] += weights.of[i];
         total += weights.of[i];
     }
-    for (std::size_t from = 0, half = kStride / 2; half > 0; half /= 2) {
-        const std::size_t to = from + 2 * half;
-        for (std::size_t i = 0; i < half; ++i) {
-            weights.sums[to + i] = weights.sums[from + i] + weights.sums[from + half + i];
-        }
-        from = to;
-    }
+    add_up(cut, weights);
     REQUIRE(weights.total() == total);
     std::vector<float> chosen(weights.size);
     for (float place = 0.0f; place < total; ++place) {
-        const CutChoice choice = choose(weights, double{place + 0.5f} / double{total});
+        const CutChoice choice = choose(cut, weights, double{place + 0.5f} / double{total});
         REQUIRE(choice.place < weights.size);
         CHECK(choice.within >= 0.0);
         CHECK(choice.within < 1.0);
