@@ -125,6 +125,25 @@ TEST_CASE("instances look as meshes of their own do") {
     }
 }
 
+TEST_CASE("instances are cut out independently of each other") {
+    auto scene = std::make_shared<Scene>();
+    scene->add_material(diffuse(0.8f));
+    Material half = diffuse(0.0f);
+    half.opacity = 0.5f;
+    scene->add_material(half);
+    Shape floor, pane;
+    floor.add_level_square({0, 0, 0}, 4.0f, true);
+    pane.add_level_square({0, 0, 0}, 4.0f, true);
+    scene->add_mesh(floor.mesh("floor", 0));
+    const MeshId shared = scene->add_shared_mesh(pane.mesh("pane", 1));
+    for (const float y : {1.0f, 2.0f}) scene->add_instance(shared, placed(0, 1, false, {0, y, 0}));
+    scene->add_directional_light({0, -1, 0}, {1, 1, 1});
+    scene->set_camera(look({0, 0.5f, 0}, {0, 0, 0}, 0.5f, {1, 0, 0}));
+    // A quarter of the light comes through two panes. 32,768 samples: some 8 standard errors.
+    const double mean = render_mean(committed(scene), square_image(16, 2), "uniform", 128).mean;
+    CHECK(std::fabs(mean * kPi / 0.8 - 0.25) < 0.02);
+}
+
 TEST_CASE("instances take the memory of their transforms") {
     const auto memory = [](std::uint32_t count, bool shared) {
         const auto scene = balls(64, count, shared, diffuse(0.7f));
