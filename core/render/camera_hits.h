@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/core_export.h"
 #include "render/ray.h"
 #include "render/scene_data.h"
 
@@ -12,7 +13,8 @@ namespace lightcull {
 /// What camera rays meet first: hits[i] is that of rays[i]. Where emitters are hidden, rays go on
 /// through the triangles that emit, and rays[i] begins behind the last of them. Returns the number
 /// of rays traced.
-std::uint64_t intersect_camera_rays(const SceneData& scene, bool hide_emitters, Span<Ray> rays,
-                                    Span<Hit> hits);
+LIGHTCULL_CORE_EXPORT std::uint64_t intersect_camera_rays(const SceneData& scene,
+                                                          bool hide_emitters, Span<Ray> rays,
+                                                          Span<Hit> hits);
 
 }  // namespace lightcull

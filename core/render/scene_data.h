@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/core_export.h"
 #include "base/shared_array.h"
 #include "render/emitter.h"
 #include "render/environment.h"
@@ -110,7 +111,8 @@ struct SceneData {
 };
 
 /// The box around an instance's box.
-Imath::Box3f bounds_of(const SceneData& scene, const Instance& instance) noexcept;
+LIGHTCULL_CORE_EXPORT Imath::Box3f bounds_of(const SceneData& scene,
+                                             const Instance& instance) noexcept;
 
 /// The largest coordinate, but for its sign, of what is in the scene.
 float reach_of(const SceneData& scene) noexcept;

@@ -121,7 +121,7 @@ def _albedo(cosine: float, alpha: float) -> float:
 _FIREFLY_SAMPLERS = ("uniform", "power", "light_bvh", "light_bvh:importance=means", "culled")
 
 
-_SEEDS = range(1, 10)
+_SEEDS = range(1, 19)
 _EXTREMES = 1.25
 """Largest samples of equal distributions differ by as much."""
 
@@ -143,7 +143,8 @@ class Fireflies:
         for sampler in _FIREFLY_SAMPLERS:
             largest = []
             for seed in _SEEDS:
-                job = PathJob(scene, sampler, RenderSettings(size, 3, seed, 0))
+                settings = RenderSettings(size, 3, seed, 0, even_numbers=False)
+                job = PathJob(scene, sampler, settings)
                 samples = np.array([_next_pass(job)[~seen] for _ in range(16)])
                 largest.append(samples.max() / samples.mean())
             found[sampler] = float(np.median(largest))
