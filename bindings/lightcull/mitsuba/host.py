@@ -26,9 +26,9 @@ def mitsuba() -> Any:
     try:
         module = importlib.import_module("mitsuba")
     except ImportError as error:
+        again = "" if _PLUGIN.is_file() else ", then install lightcull again"
         raise Error(
-            f"mitsuba: cannot be imported ({error}): pip install mitsuba=={WANTED_VERSION}, then "
-            "install lightcull again"
+            f"mitsuba: cannot be imported ({error}): pip install mitsuba=={WANTED_VERSION}{again}"
         ) from error
     if module.__version__ != WANTED_VERSION:
         raise Error(
