@@ -92,9 +92,18 @@ repair() {
         "$venv/bin/auditwheel" repair "${theirs[@]}" --wheel-dir "$to" "$wheel" >/dev/null
 }
 
-add_licences() {
+# The wheel of Dr.Jit needs libatomic, which systems without a compiler may lack; lightcull.mitsuba
+# loads this one before, by the name that Dr.Jit knows it by.
+add_libatomic() {
+    local library
+    library=$(gcc --print-file-name=libatomic.so.1)
+    cp --dereference "$library" "$1/lightcull.libs/"
+}
+
+add_what_auditwheel_does_not() {
     local wheel=$1 unpacked=$2
     "$venv/bin/wheel" unpack --dest "$unpacked" "$wheel" >/dev/null
+    add_libatomic "$unpacked"/*
     "$venv/bin/python" "$tools/bundled_licences.py" "$unpacked"/* "$openimageio/licenses"
     "$venv/bin/wheel" pack --dest-dir "$wheels" "$unpacked"/* >/dev/null
 }
@@ -111,7 +120,7 @@ make_wheel() {
     say "building the wheel for $tag"
     build_wheel "$folder/bin/python" "$work/$tag/built" "$objects"
     repair "$work/$tag"/built/*.whl "$work/$tag/repaired"
-    add_licences "$work/$tag"/repaired/*.whl "$work/$tag/unpacked"
+    add_what_auditwheel_does_not "$work/$tag"/repaired/*.whl "$work/$tag/unpacked"
     "$folder/bin/python" "$tools/wheel_facts.py" "$wheels/$(basename "$work/$tag"/repaired/*.whl)"
 }
 

@@ -16,22 +16,30 @@ system=$(mktemp -d)
 trap 'umount -q "$system/proc" || true; rm -rf --one-file-system "$system"' EXIT
 
 debootstrap --variant=minbase --include=ca-certificates,python3,python3-pip,python3-venv \
-    "$suite" "$system" >"$system.log" || { tail "$system.log"; exit 1; }
+    "$suite" "$system" >"$system.log" || {
+    tail "$system.log"
+    exit 1
+}
 mount -t proc proc "$system/proc"  # of /proc/self/maps
 for settings in /etc/resolv.conf /etc/pip.conf /etc/ssl/certs/ca-certificates.crt; do
-    [[ -e $settings ]] && cp "$settings" "$system$settings"
+    [[ -e $settings ]] && install -D --mode=644 "$settings" "$system$settings"
 done
 mkdir "$system/wheel"
 cp "$wheel" "$here/installed_render.py" "$system/wheel/"
 
-inside() { env -u LD_LIBRARY_PATH -u PYTHONPATH PATH=/usr/bin:/bin chroot "$system" "$@"; }
+# Without the folders of this system that the environment names.
+inside() {
+    chroot "$system" /usr/bin/env -u LD_LIBRARY_PATH -u PYTHONPATH -u PIP_FIND_LINKS \
+        PATH=/usr/bin:/bin HOME=/root "$@"
+}
 
-if inside sh -c 'command -v cc gcc g++ clang cmake'; then
-    echo "$suite has a compiler" >&2
+compilers=$(inside sh -c 'command -v cc gcc g++ clang cmake || true')
+[[ -z $compilers ]] || {
+    echo "this is no bare system: $compilers" >&2
     exit 1
-fi
+}
 inside python3 -m venv /venv
-inside /venv/bin/pip install --quiet "/wheel/$(basename "$wheel")[mitsuba]"
+inside /venv/bin/pip install --quiet "/wheel/$(basename "$wheel")[mitsuba,llvm]"
 inside /venv/bin/python /wheel/installed_render.py /wheel >"$system.loaded"
 inside /venv/bin/lightcull info cornell
 echo "installed and rendered on $suite; the libraries loaded from outside of Python's packages:"

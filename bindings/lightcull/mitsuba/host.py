@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from .._core import Error
+from . import system_libraries
 
 WANTED_VERSION = "3.8.0"
 """The plugin is compiled against it: others differ in their classes."""
@@ -23,6 +24,7 @@ def mitsuba() -> Any:
 
     Raises Error if it, or the plugin, is missing.
     """
+    system_libraries.provide()
     try:
         module = importlib.import_module("mitsuba")
     except ImportError as error:
