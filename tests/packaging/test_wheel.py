@@ -81,7 +81,8 @@ def test_its_libraries_need_each_other_the_c_library_and_mitsuba(bare):
 def test_it_renders_without_any_other_library(bare, tmp_path):
     program = Path(__file__).with_name("installed_render.py")
     env = {"HOME": str(tmp_path)}  # Dr.Jit keeps a folder there, and has to have one
-    loaded = run(bare / "bin/python", "-I", program, tmp_path, env=env, cwd=tmp_path).splitlines()
+    command = (bare / "bin/python", "-I", program, tmp_path, "scalar_rgb")
+    loaded = run(*command, env=env, cwd=tmp_path).splitlines()
     (packages,) = bare.glob("lib/python*/site-packages")
     ours = {path.name for path in packages.glob("lightcull.libs/*")}
     assert ours <= {Path(path).name for path in loaded}
