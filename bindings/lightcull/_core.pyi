@@ -95,6 +95,8 @@ class Scene:
         opacity: float,
         opacity_texture: int,
         opacity_threshold: float,
+        normal_texture: int,
+        normal_scale: float,
         /,
     ) -> int: ...
     def add_mesh(
@@ -110,8 +112,10 @@ class Scene:
         face_radiance: np.ndarray | None,
         texture: int,
         two_sided: bool,
+        shared: bool,
         /,
     ) -> int: ...
+    def add_instance(self, mesh: int, transform: Sequence[float], /) -> None: ...
     def add_point_light(self, position: Any, intensity: Any, /) -> None: ...
     def add_spot_light(
         self, position: Any, direction: Any, intensity: Any, inner: float, outer: float, /
@@ -169,6 +173,9 @@ def check_sampler(description: str, /) -> None:
 class Preview:
     def __init__(self, scene: Scene, /) -> None: ...
     def distances(self, origins: np.ndarray, directions: np.ndarray, /) -> np.ndarray: ...
+    def memory_size(self) -> SceneMemory:
+        """What it takes besides the scene."""
+
     def look(
         self,
         origin: Any,
@@ -381,6 +388,7 @@ class Renderer:
         direct_light: str,
         emission_apart: bool,
         even_numbers: bool,
+        hide_emitters: bool,
     ) -> None: ...
     def render_pass(self) -> bool: ...
     def restart(self, seed: int, /) -> tuple[bool, float]:
@@ -472,6 +480,7 @@ class VirtualLightRenderer:
         max_depth: int,
         seed: int,
         threads: int,
+        hide_emitters: bool,
     ) -> None: ...
     def render_pass(self) -> bool: ...
     def image(self) -> np.ndarray: ...

@@ -21,3 +21,5 @@ class FileSettings:
     """Longest path, in edges."""
     rr_depth: int | None = None
     """Edges from which Russian roulette may end a path."""
+    hide_emitters: bool | None = None
+    """Whether the camera sees no emitter."""

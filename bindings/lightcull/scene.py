@@ -22,6 +22,7 @@ Vector: TypeAlias = Sequence[float] | np.ndarray
 """Three numbers: metres, a direction, or linear RGB."""
 TextureSource: TypeAlias = str | os.PathLike[str] | np.ndarray
 """Path of an image, or an array of texels with row 0 at the top."""
+_NO_EMISSION = ((0.0, 0.0, 0.0), None, _core.NO_TEXTURE, False)
 
 
 class Scene:
@@ -61,7 +62,10 @@ class Scene:
         self._lock = threading.Lock()
         self._default_materials: dict[float, int] = {}
         self._mesh_bounds: dict[int, np.ndarray] = {}
+        """Those of meshes by their ids, of instances by -1, -2 and so on."""
+        self._shared_bounds: dict[int, np.ndarray] = {}
         self._counts = {"meshes": 0, "materials": 0, "textures": 0, "points": 0, "spots": 0}
+        self._counts["instances"] = 0
         self._counts["directional lights"] = self._counts["virtual lights"] = 0
 
     def add_texture(self, texels: TextureSource, *, linear_data: bool = False) -> int:
@@ -95,6 +99,8 @@ class Scene:
         opacity: float = 1.0,
         opacity_texture: int | None = None,
         opacity_threshold: float = 0.0,
+        normal_texture: int | None = None,
+        normal_scale: float = 1.0,
     ) -> int:
         """Adds a material, which reflects on both sides, and returns its id.
 
@@ -103,7 +109,9 @@ class Scene:
         [0, 1]. Textures multiply them; of metallic_roughness_texture green is the roughness and
         blue the metalness. opacity in [0, 1], times the red of its texture: the probability with
         which a ray meets the surface, and what it emits; else it goes on. With an opacity_threshold
-        above 0 the ray meets it where the opacity is at least that, and only there.
+        above 0 the ray meets it where the opacity is at least that, and only there. normal_texture, a
+        texture of linear_data, has the normals that light is reflected by, as glTF has them: 2 * texel - 1,
+        x towards where u grows, y where v does, both times normal_scale.
         """
         if kind not in ("diffuse", "metallic_roughness"):
             raise Error(f"material: kind {kind!r} is neither 'diffuse' nor 'metallic_roughness'")
@@ -117,6 +125,8 @@ class Scene:
             checks.number("opacity", opacity),
             _texture_id("opacity_texture", opacity_texture),
             checks.number("opacity_threshold", opacity_threshold),
+            _texture_id("normal_texture", normal_texture),
+            checks.number("normal_scale", normal_scale),
         )
         material = self._core.add_material(*parameters)
         self._digest.add("material", *parameters)
@@ -142,8 +152,7 @@ class Scene:
         """
         if material is None:
             material = self._default_material(0.5)
-        no_emission = ((0.0, 0.0, 0.0), None, _core.NO_TEXTURE, False)
-        return self._add_mesh(name, positions, indices, normals, uvs, colors, material, no_emission)
+        return self._add_mesh(name, positions, indices, normals, uvs, colors, material, _NO_EMISSION)
 
     def add_light_mesh(
         self,
@@ -177,6 +186,48 @@ class Scene:
             bool(two_sided),
         )
         return self._add_mesh(name, positions, indices, normals, uvs, colors, material, emission)
+
+    def add_shared_mesh(
+        self,
+        positions: np.ndarray,
+        indices: np.ndarray,
+        *,
+        normals: np.ndarray | None = None,
+        uvs: np.ndarray | None = None,
+        colors: np.ndarray | None = None,
+        material: int | None = None,
+        name: str = "",
+    ) -> int:
+        """Adds triangles that are nowhere yet and returns the id of their mesh, for `add_instance`: they
+        take their memory once, however often they are placed. They do not emit. The rest as in
+        `add_mesh`.
+        """
+        if material is None:
+            material = self._default_material(0.5)
+        return self._add_mesh(
+            name, positions, indices, normals, uvs, colors, material, _NO_EMISSION, shared=True
+        )
+
+    @recorded
+    def add_instance(self, mesh: int, transform: np.ndarray) -> None:
+        """Places a mesh of `add_shared_mesh` once more.
+
+        transform: (3, 4) or (4, 4), metres, applied to columns; its linear part is not flat.
+        """
+        checks.whole_number("mesh", mesh)
+        matrix = np.asarray(transform, np.float64)
+        if matrix.shape not in ((3, 4), (4, 4)):
+            raise TypeError(f"transform: wanted (3, 4) or (4, 4), got {matrix.shape}")
+        with np.errstate(over="ignore"):  # what is infinite then is refused
+            numbers = matrix[:3].astype(np.float32).ravel().tolist()
+        self._core.add_instance(mesh, numbers)
+        self._digest.add("instance", mesh, numbers)
+        self._counts["instances"] += 1
+        if mesh in self._shared_bounds:
+            box = self._shared_bounds[mesh]
+            corners = np.array(np.meshgrid(*box.T)).reshape(3, -1)
+            placed = (matrix[:3, :3] @ corners).T + matrix[:3, 3]
+            self._include(-self._counts["instances"], placed)
 
     @recorded
     def add_point_light(self, position: Vector, intensity: Vector) -> None:
@@ -359,8 +410,8 @@ class Scene:
 
     @property
     def counts(self) -> dict[str, int]:
-        """How many meshes, materials, textures, points, spots, directional and virtual lights were
-        added.
+        """How many meshes, instances, materials, textures, points, spots, directional and virtual lights
+        were added.
         """
         return dict(self._counts)
 
@@ -411,25 +462,34 @@ class Scene:
         colors: np.ndarray | None,
         material: int,
         emission: tuple[Any, Any, int, bool],
+        *,
+        shared: bool = False,
     ) -> int:
         checks.text("name", name)
         checks.whole_number("material", material)
-        parameters = (name, positions, indices, normals, uvs, colors, material, *emission)
+        parameters = (name, positions, indices, normals, uvs, colors, material, *emission, shared)
         mesh = self._core.add_mesh(*parameters)
         self._digest.add("mesh", *parameters)
         self._counts["meshes"] += 1
-        self._include(mesh, positions)
+        if shared:
+            if len(positions) > 0:
+                self._shared_bounds[mesh] = _box_of(positions)
+        else:
+            self._include(mesh, positions)
         return mesh
 
     def _include(self, mesh: int, positions: np.ndarray) -> None:
         if len(positions) > 0:
-            corners = np.stack([positions.min(axis=0), positions.max(axis=0)])
-            self._mesh_bounds[mesh] = corners.astype(np.float32)
+            self._mesh_bounds[mesh] = _box_of(positions)
 
     def _default_material(self, grey: float) -> int:
         if grey not in self._default_materials:
             self._default_materials[grey] = self.add_material(base_color=(grey, grey, grey))
         return self._default_materials[grey]
+
+
+def _box_of(positions: np.ndarray) -> np.ndarray:
+    return np.stack([positions.min(axis=0), positions.max(axis=0)]).astype(np.float32)
 
 
 def _texture_id(name: str, texture: int | None) -> int:

@@ -152,18 +152,17 @@ DirectLight direct_light_of(const std::string& name) {
     throw Error("direct_light is '" + name + "'; there are mis, lights, bsdf");
 }
 
-std::unique_ptr<InterruptibleRenderer> make_renderer(const std::shared_ptr<Scene>& scene,
-                                                     const py::object& sampler, std::uint32_t width,
-                                                     std::uint32_t height, std::uint32_t max_depth,
-                                                     std::uint64_t seed, std::uint32_t threads,
-                                                     std::uint32_t rr_depth,
-                                                     const std::string& direct_light,
-                                                     bool emission_apart, bool even_numbers) {
+std::unique_ptr<InterruptibleRenderer> make_renderer(
+    const std::shared_ptr<Scene>& scene, const py::object& sampler, std::uint32_t width,
+    std::uint32_t height, std::uint32_t max_depth, std::uint64_t seed, std::uint32_t threads,
+    std::uint32_t rr_depth, const std::string& direct_light, bool emission_apart, bool even_numbers,
+    bool hide_emitters) {
     RenderSettings settings = make_render_settings(width, height, max_depth, seed, threads);
     settings.rr_depth = rr_depth;
     settings.direct_light = direct_light_of(direct_light);
     settings.emission_apart = emission_apart;
     settings.even_numbers = even_numbers;
+    settings.hide_emitters = hide_emitters;
     const auto make = [&](const auto& make_sampler) {
         const py::gil_scoped_release release;
         return std::make_unique<InterruptibleRenderer>(scene, settings, make_sampler);
@@ -231,7 +230,7 @@ void bind_renderer(py::module_& module) {
         .def(py::init(&make_renderer), py::arg("scene"), py::arg("sampler"), py::arg("width"),
              py::arg("height"), py::arg("max_depth"), py::arg("seed"), py::arg("threads"),
              py::arg("rr_depth"), py::arg("direct_light"), py::arg("emission_apart"),
-             py::arg("even_numbers"))
+             py::arg("even_numbers"), py::arg("hide_emitters"))
         .def("render_pass", &InterruptibleRenderer::render_pass)
         .def("restart", &InterruptibleRenderer::restart)
         .def("image", &InterruptibleRenderer::image)

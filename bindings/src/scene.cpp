@@ -1,3 +1,4 @@
+#include <lightcull/error.h>
 #include <lightcull/render/preview.h>
 #include <lightcull/render/scene.h>
 
@@ -55,7 +56,8 @@ TextureId add_texture(Scene& scene, const py::object& texels, bool linear_data) 
 MaterialId add_material(Scene& scene, bool metallic_roughness, const py::object& base_color,
                         float metallic, float roughness, TextureId base_color_texture,
                         TextureId metallic_roughness_texture, float opacity,
-                        TextureId opacity_texture, float opacity_threshold) {
+                        TextureId opacity_texture, float opacity_threshold,
+                        TextureId normal_texture, float normal_scale) {
     Material material;
     material.kind = metallic_roughness ? MaterialKind::kMetallicRoughness : MaterialKind::kDiffuse;
     material.base_color = float3_from(base_color, "base_color");
@@ -66,13 +68,15 @@ MaterialId add_material(Scene& scene, bool metallic_roughness, const py::object&
     material.opacity = opacity;
     material.opacity_texture = opacity_texture;
     material.opacity_threshold = opacity_threshold;
+    material.normal_texture = normal_texture;
+    material.normal_scale = normal_scale;
     return scene.add_material(material);
 }
 
 MeshId add_mesh(Scene& scene, const std::string& name, const py::object& positions,
                 const py::object& indices, const py::object& normals, const py::object& uvs,
                 const py::object& colors, MaterialId material, const py::object& radiance,
-                const py::object& face_radiance, TextureId texture, bool two_sided) {
+                const py::object& face_radiance, TextureId texture, bool two_sided, bool shared) {
     const Rows<float3> position_rows(positions, "positions");
     const Rows<Triangle> triangles(indices, "indices");
     const auto normal_rows = Rows<float3>::optional(normals, "normals", position_rows.size());
@@ -93,7 +97,14 @@ MeshId add_mesh(Scene& scene, const std::string& name, const py::object& positio
     mesh.emission.face_radiance = face_rows.span();
     mesh.emission.texture = texture;
     mesh.emission.two_sided = two_sided;
-    return scene.add_mesh(mesh);
+    return shared ? scene.add_shared_mesh(mesh) : scene.add_mesh(mesh);
+}
+
+void add_instance(Scene& scene, MeshId mesh, const std::vector<float>& numbers) {
+    Placement placement{};
+    if (numbers.size() != 12) throw Error("instance: its transform is not of 3 rows of 4 numbers");
+    std::copy(numbers.begin(), numbers.end(), &placement.rows[0][0]);
+    scene.add_instance(mesh, placement);
 }
 
 void add_spot_light(Scene& scene, const py::object& position, const py::object& direction,
@@ -178,6 +189,7 @@ void bind_scene(py::module_& module) {
         .def("add_texture", &add_texture)
         .def("add_material", &add_material)
         .def("add_mesh", &add_mesh)
+        .def("add_instance", &add_instance)
         .def("add_point_light",
              [](Scene& scene, const py::object& position, const py::object& intensity) {
                  scene.add_point_light(float3_from(position, "position"),
@@ -217,6 +229,7 @@ void bind_scene(py::module_& module) {
     py::class_<Preview>(module, "Preview")
         .def(py::init<const Scene&>(), py::call_guard<py::gil_scoped_release>())
         .def("distances", &distances)
+        .def("memory_size", &Preview::memory_size)
         .def("look", &look);
 }
 

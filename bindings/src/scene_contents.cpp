@@ -36,6 +36,8 @@ py::dict dict_of(const Material& material) {
     d["opacity"] = material.opacity;
     d["opacity_texture"] = material.opacity_texture;
     d["opacity_threshold"] = material.opacity_threshold;
+    d["normal_texture"] = material.normal_texture;
+    d["normal_scale"] = material.normal_scale;
     return d;
 }
 

@@ -57,8 +57,9 @@ class InterruptibleVirtualLights : public Interruptible<VirtualLightRenderer> {
 std::unique_ptr<InterruptibleVirtualLights> make_virtual_lights(
     const std::shared_ptr<Scene>& scene, const std::string& method, const std::string& sampler,
     std::uint32_t width, std::uint32_t height, std::uint32_t max_depth, std::uint64_t seed,
-    std::uint32_t threads) {
-    const RenderSettings settings = make_render_settings(width, height, max_depth, seed, threads);
+    std::uint32_t threads, bool hide_emitters) {
+    RenderSettings settings = make_render_settings(width, height, max_depth, seed, threads);
+    settings.hide_emitters = hide_emitters;
     const py::gil_scoped_release release;
     return std::make_unique<InterruptibleVirtualLights>(scene, method, sampler, settings);
 }
@@ -85,7 +86,7 @@ void bind_virtual_lights(py::module_& module) {
     py::class_<InterruptibleVirtualLights>(module, "VirtualLightRenderer")
         .def(py::init(&make_virtual_lights), py::arg("scene"), py::arg("method"),
              py::arg("sampler"), py::arg("width"), py::arg("height"), py::arg("max_depth"),
-             py::arg("seed"), py::arg("threads"))
+             py::arg("seed"), py::arg("threads"), py::arg("hide_emitters"))
         .def("render_pass", &InterruptibleVirtualLights::render_pass)
         .def("image", &InterruptibleVirtualLights::image)
         .def("stats", &InterruptibleVirtualLights::stats)

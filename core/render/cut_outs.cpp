@@ -46,7 +46,9 @@ bool meets(const SceneData& scene, const Hit& hit, const V3f& origin,
     if (opacity >= 1.0f) return true;
     const std::uint64_t ray = hash(bits_of(origin.x, origin.y), bits_of(origin.z, direction.x),
                                    bits_of(direction.y, direction.z));
-    return uniform_float(hash(ray, hit.triangle)) < opacity;
+    const std::uint64_t place = hash(ray, hit.triangle);
+    const bool is_instance = hit.instance != kNotInstanced;
+    return uniform_float(is_instance ? hash(place, hit.instance) : place) < opacity;
 }
 
 }  // namespace lightcull

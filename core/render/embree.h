@@ -18,8 +18,9 @@ inline void intersect16(const int* valid, RTCScene scene, RTCRayHit16& rays, boo
     RTCIntersectArguments arguments;
     rtcInitIntersectArguments(&arguments);
     arguments.flags = coherent ? RTC_RAY_QUERY_FLAG_COHERENT : RTC_RAY_QUERY_FLAG_INCOHERENT;
-    arguments.feature_mask = static_cast<RTCFeatureFlags>(
-        RTC_FEATURE_FLAG_TRIANGLE | RTC_FEATURE_FLAG_FILTER_FUNCTION_IN_GEOMETRY);
+    arguments.feature_mask =
+        static_cast<RTCFeatureFlags>(RTC_FEATURE_FLAG_TRIANGLE | RTC_FEATURE_FLAG_INSTANCE |
+                                     RTC_FEATURE_FLAG_FILTER_FUNCTION_IN_GEOMETRY);
     rtcIntersect16(valid, scene, &rays, &arguments);
 #else
     RTCIntersectContext context;
@@ -53,8 +54,9 @@ inline void occluded16(const int* valid, RTCScene scene, RTCRay16& rays, const R
 #if LIGHTCULL_EMBREE_VERSION == 4
     RTCOccludedArguments arguments;
     rtcInitOccludedArguments(&arguments);
-    arguments.feature_mask = static_cast<RTCFeatureFlags>(
-        RTC_FEATURE_FLAG_TRIANGLE | RTC_FEATURE_FLAG_FILTER_FUNCTION_IN_GEOMETRY);
+    arguments.feature_mask =
+        static_cast<RTCFeatureFlags>(RTC_FEATURE_FLAG_TRIANGLE | RTC_FEATURE_FLAG_INSTANCE |
+                                     RTC_FEATURE_FLAG_FILTER_FUNCTION_IN_GEOMETRY);
     rtcInitRayQueryContext(&context);
     arguments.context = &context;
     rtcOccluded16(valid, scene, &rays, &arguments);

@@ -70,21 +70,22 @@ V2f hit_by(const TriangleEmitter& emitter, const V3f& from, const V3d& direction
 struct Sampler {
     const SceneData& scene;
     const V3f& from;
-    V2f u;
+    const PlaceNumbers& u;
 
     EmitterSample operator()(const TriangleEmitter& emitter) const noexcept {
         if (has_pieces(emitter)) return on_piece(emitter);
         const auto seen = as_seen_from_near(emitter, from);
-        const V2f b = seen ? hit_by(emitter, from, seen->sample(u)) : uniform_triangle(u);
+        const V2f b =
+            seen ? hit_by(emitter, from, seen->sample(u.place)) : uniform_triangle(u.place);
         return look_at(emitter, b, emitter, b, seen);
     }
 
     EmitterSample on_piece(const TriangleEmitter& whole) const noexcept {
-        V2f rest = u;
-        const TriangleCuts::Piece piece = scene.cuts.draw(whole.part, rest.x);
+        const TriangleCuts::Piece piece = scene.cuts.draw(whole.part, u.piece);
         const TriangleEmitter emitter = part_of(whole, piece.corners);
         const auto seen = as_seen_from_near(emitter, from);
-        const V2f b = seen ? hit_by(emitter, from, seen->sample(rest)) : draw_place(piece, rest);
+        const V2f b =
+            seen ? hit_by(emitter, from, seen->sample(u.place)) : draw_place(piece, u.place);
         const float2 in_whole = place_in(piece.corners, {b.x, b.y});
         EmitterSample sample = look_at(emitter, b, whole, {in_whole.x, in_whole.y}, seen);
         sample.pdf *= piece.prob;
@@ -147,7 +148,7 @@ struct Sampler {
 }  // namespace
 
 EmitterSample sample_emitter(const SceneData& scene, const Emitter& emitter, const V3f& from,
-                             const V2f& u) noexcept {
+                             const PlaceNumbers& u) noexcept {
     // This is not std::visit, which may throw.
     const Sampler sample{scene, from, u};
     if (const auto* triangle = std::get_if<TriangleEmitter>(&emitter)) return sample(*triangle);

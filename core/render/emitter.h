@@ -83,10 +83,16 @@ struct EmitterSample {
     }
 };
 
+/// Random numbers in [0, 1) by which a place on an emitter is chosen.
+struct PlaceNumbers {
+    double piece;  ///< chooses among tens of thousands of pieces, where there are some
+    V2f place;
+};
+
 /// Chooses a place on the emitter and looks at it from a point. On a triangle it is uniform by
 /// solid angle where the point is near it, else by area.
 EmitterSample sample_emitter(const SceneData& scene, const Emitter& emitter, const V3f& from,
-                             const V2f& u) noexcept;
+                             const PlaceNumbers& u) noexcept;
 
 /// The part of its intensity that a spot emits at an angle to its direction, of which this is the
 /// versine.

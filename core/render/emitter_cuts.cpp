@@ -6,24 +6,12 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <functional>
 #include <map>
-#include <numeric>
 #include <utility>
 #include <vector>
 
 namespace lightcull {
 namespace {
-
-/// Lights that cuts may add to a scene: so many, or such a part of those that there are.
-constexpr std::size_t kMostAdded = 4096;
-constexpr std::size_t kMostAddedPart = 4;
-
-/// A light is cut if it emits at least such a part of what all do, but for the brightest, of which
-/// some may be suns far away: among very many lights, none of them alone makes noise.
-constexpr double kLeastPart = 1.0 / 1024.0;
-constexpr std::size_t kBrightest = 16;
-constexpr std::size_t kBrightestPart = 256;
 
 /// Of the triangles without a texture, how many are looked at for each light that may be added:
 /// those that emit most.
@@ -63,17 +51,15 @@ class Cutting {
     PartEmission emission(std::uint32_t candidate, const SubTriangle& part);
     PartEmission of_texture(const TriangleEmitter& emitter, const SubTriangle& part);
     bool is_within_texel(const TriangleEmitter& emitter) const noexcept;
-    double least_flux() const;
     void take_over();
 
     SceneData& scene_;
-    std::size_t most_added_;
+    CutLimits limits_;
     std::vector<std::uint32_t> candidates_;  ///< lights, in order
     std::map<TextureId, TextureMean> squares_;
 };
 
-Cutting::Cutting(SceneData& scene)
-    : scene_(scene), most_added_(std::max(kMostAdded, scene.lights.size() / kMostAddedPart)) {
+Cutting::Cutting(SceneData& scene) : scene_(scene), limits_(cut_limits(scene.lights)) {
     choose_candidates();
 }
 
@@ -89,7 +75,7 @@ void Cutting::choose_candidates() {
             candidates_.push_back(i);
         }
     }
-    const std::size_t most = kLookedAt * most_added_;
+    const std::size_t most = kLookedAt * limits_.most_lights;
     if (plain.size() > most) {
         const auto emits_more = [this](std::uint32_t a, std::uint32_t b) {
             const float of_a = scene_.lights[a].intensity, of_b = scene_.lights[b].intensity;
@@ -158,18 +144,6 @@ PartEmission Cutting::of_texture(const TriangleEmitter& emitter, const SubTriang
     return emission;
 }
 
-double Cutting::least_flux() const {
-    std::vector<float> intensities;
-    for (const Light& light : scene_.lights) {
-        if (!light.directional) intensities.push_back(light.intensity);
-    }
-    const std::size_t apart = kBrightest + intensities.size() / kBrightestPart;
-    if (intensities.size() <= apart) return 0.0;
-    const auto others = intensities.begin() + static_cast<std::ptrdiff_t>(apart);
-    std::nth_element(intensities.begin(), others, intensities.end(), std::greater<>());
-    return kLeastPart * std::accumulate(others, intensities.end(), 0.0);
-}
-
 void Cutting::cut() {
     std::vector<TriangleCorners> triangles;
     for (const std::uint32_t light : candidates_) {
@@ -184,8 +158,8 @@ void Cutting::cut() {
     demand.distance = [this](std::uint32_t i, const SubTriangle& part) {
         return lit_distance(scene_, part_of(emitter_of(i), part));
     };
-    demand.least_flux = least_flux();
-    demand.most_lights = most_added_;
+    demand.least_flux = limits_.least_flux;
+    demand.most_lights = limits_.most_lights;
     scene_.cuts = TriangleCuts(triangles, demand);
     take_over();
 }

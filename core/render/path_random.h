@@ -16,6 +16,7 @@ enum class Dimension : std::uint64_t {
     kLobe,         ///< choice between diffuse and specular
     kScatter,      ///< direction of the next ray
     kRoulette,
+    kLightPiece,  ///< piece of a light whose emission is uneven
 };
 
 /// The random numbers of one vertex of a path, independent of all others: a hash of what they are

@@ -2,6 +2,7 @@
 
 #include "base/random.h"
 #include "base/sobol.h"
+#include "render/emitter.h"
 #include "render/vec.h"
 
 #include <lightcull/render/renderer.h>
@@ -32,7 +33,10 @@ class PixelNumbers {
 
     /// u of LightSampler::select(), and the place on the light.
     float select_light() const noexcept { return of(Use::kLight)[0]; }
-    V2f light_vertex() const noexcept { return pair(of(Use::kLight), 1); }
+    PlaceNumbers light_vertex() const noexcept {
+        const SobolPoint p = of(Use::kLight);
+        return {p.fine(3), pair(p, 1)};
+    }
 
     struct InEnvironment {
         double cell;

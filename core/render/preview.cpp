@@ -1,6 +1,7 @@
 #include <lightcull/render/preview.h>
 
 #include "render/checks.h"
+#include "render/facet.h"
 #include "render/ray_tracer.h"
 #include "render/scene_data.h"
 
@@ -16,7 +17,7 @@ namespace lightcull {
 namespace {
 
 /// Fills a scene with what another has, but for reflectance textures, which take most of its
-/// memory.
+/// memory. Triangles and vertices are shared.
 void copy(const SceneData& from, SceneData& to) {
     std::vector<bool> is_kept(from.textures.size(), false);
     for (const MeshRecord& mesh : from.meshes) {
@@ -34,6 +35,7 @@ void copy(const SceneData& from, SceneData& to) {
     to.materials = from.materials;
     to.has_cut_outs = from.has_cut_outs;
     to.meshes = from.meshes;
+    to.instances = from.instances;
     to.triangles = from.triangles;
     to.indices = from.indices;
     to.positions = from.positions;
@@ -71,17 +73,20 @@ std::vector<float> Preview::distances(Span<const float3> origins,
     std::vector<float> found(rays.size(), std::numeric_limits<float>::infinity());
     for (std::size_t i = 0; i < rays.size(); ++i) {
         if (hits[i].triangle == kNoHit) continue;
-        const auto corner = [&](std::uint32_t k) -> const V3f& {
-            return scene.positions[scene.corner(hits[i].triangle, k)];
-        };
-        const V3f& a = corner(0);
-        const V3f edge1 = corner(1) - a, edge2 = corner(2) - a;
-        const V3f way = a + edge1 * hits[i].u + edge2 * hits[i].v - rays[i].origin;
+        const Facet facet(scene, hits[i].triangle, hits[i].instance);
+        const V3f way = facet.at(hits[i].u, hits[i].v) - rays[i].origin;
         const V3f& d = rays[i].direction;
         const float distance = way.length() / d.length();
-        found[i] = d.dot(edge1.cross(edge2)) > 0.0f ? -distance : distance;
+        const bool is_back = d.dot(facet.edge1.cross(facet.edge2)) > 0.0f;
+        found[i] = is_back != facet.is_mirrored ? -distance : distance;
     }
     return found;
+}
+
+SceneMemory Preview::memory_size() const noexcept {
+    SceneMemory memory = copy_->memory_size();
+    memory.data -= data_of(*copy_).geometry_size(true);
+    return memory;
 }
 
 std::vector<float3> Preview::look(const Camera& camera, std::uint32_t width, std::uint32_t height,

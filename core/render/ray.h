@@ -9,6 +9,7 @@
 namespace lightcull {
 
 inline constexpr std::uint32_t kNoHit = 0xffffffffu;
+inline constexpr std::uint32_t kNotInstanced = 0xffffffffu;
 
 struct Ray {
     V3f origin;
@@ -37,6 +38,7 @@ inline Ray segment(const V3f& from, const V3f& to, std::uint32_t end_triangle = 
 struct Hit {
     std::uint32_t triangle;  ///< index of the triangle over all meshes, or kNoHit
     float u, v;              ///< barycentric coordinates of the second and third corner
+    std::uint32_t instance = kNotInstanced;  ///< the instance whose triangle it is
 };
 
 }  // namespace lightcull

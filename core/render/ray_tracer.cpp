@@ -3,6 +3,7 @@
 #include "base/memory_size.h"
 #include "render/embree.h"
 #include "render/looseness.h"
+#include "render/scene_data.h"
 #include "render/shadow_filter.h"
 
 #include <lightcull/error.h>
@@ -10,10 +11,12 @@
 #include <sys/types.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <cstddef>
 #include <cstring>
+#include <deque>
 #include <string>
 #include <vector>
 
@@ -74,24 +77,28 @@ void prepare(RTCRay16& packet) noexcept {
 }  // namespace
 
 struct RayTracer::Handles {
+    const SceneData& data;
     RTCDevice device = nullptr;
     RTCScene scene = nullptr;
-    RTCGeometry geometry = nullptr;  ///< null where there are no triangles
-    Span<const V3f> positions;
-    Span<const std::uint32_t> indices;
-    float scale = 1.0f;       ///< parts of a metre in Embree's unit of length
-    std::vector<V3f> scaled;  ///< positions in that unit; none where it is the metre
-    Triangles triangles{};
+    const V3f* positions;                 ///< place of the positions that it was built for
+    float scale = 1.0f;                   ///< parts of a metre in Embree's unit of length
+    std::vector<V3f> scaled;              ///< positions in that unit; none where it is the metre
+    std::vector<RTCGeometry> geometries;  ///< triangles that stand, then instances, by Embree's ids
+    std::vector<RTCScene> shared;       ///< scenes of the meshes that instances place, by their ids
+    std::deque<Triangles> triangles;    ///< what filters know; they stay where they are
+    std::vector<std::uint32_t> firsts;  ///< first triangles of the geometries that stand
     bool can_be_fitted = false;
     Looseness looseness;              ///< looseness since it was built, if it can be fitted
     std::atomic<::ssize_t> bytes{0};  ///< bytes that Embree has taken and not given back
 
-    Handles(Span<const V3f> p, Span<const std::uint32_t> i, Span<const TriangleRecord> records,
-            float reach, const SceneData* cut_outs, bool to_be_fitted);
+    Handles(const SceneData& scene_data, float reach, bool to_be_fitted);
     Handles(const Handles&) = delete;
     Handles& operator=(const Handles&) = delete;
     ~Handles() {
-        if (geometry != nullptr) rtcReleaseGeometry(geometry);
+        for (RTCGeometry geometry : geometries) rtcReleaseGeometry(geometry);
+        for (RTCScene part : shared) {
+            if (part != nullptr) rtcReleaseScene(part);
+        }
         if (scene != nullptr) rtcReleaseScene(scene);
         if (device != nullptr) rtcReleaseDevice(device);
     }
@@ -106,16 +113,22 @@ struct RayTracer::Handles {
 
     /// The positions in Embree's unit of length.
     const V3f* vertices() {
-        if (scale == 1.0f) return positions.data();
-        scaled.reserve(positions.size() + 1);  // Embree reads 16 bytes from the last position.
-        scaled.resize(positions.size());
-        std::transform(positions.begin(), positions.end(), scaled.begin(),
+        if (scale == 1.0f) return data.positions.data();
+        const auto& all = data.positions;
+        scaled.reserve(all.size() + 1);  // Embree reads 16 bytes from the last position.
+        scaled.resize(all.size());
+        std::transform(all.begin(), all.end(), scaled.begin(),
                        [this](const V3f& p) { return p * scale; });
         return scaled.data();
     }
 
+    RTCScene new_scene() const;
+    RTCGeometry new_triangles(std::size_t first, std::size_t end);
     void add_triangles();
+    void add_shared_meshes();
+    void add_instances();
     void fit();
+    Hit hit_of(const RTCHit16& hits, std::size_t lane) const noexcept;
 
     void check() const {
         const RTCError error = rtcGetDeviceError(device);
@@ -126,74 +139,148 @@ struct RayTracer::Handles {
     }
 };
 
-RayTracer::Handles::Handles(Span<const V3f> p, Span<const std::uint32_t> i,
-                            Span<const TriangleRecord> records, float reach,
-                            const SceneData* cut_outs, bool to_be_fitted)
-    : positions(p),
-      indices(i),
+RayTracer::Handles::Handles(const SceneData& scene_data, float reach, bool to_be_fitted)
+    : data(scene_data),
+      positions(scene_data.positions.data()),
       scale(scale_for_embree(reach)),
-      triangles{p.data(), i.data(), records.data(), std::min(scale, 1.0f), cut_outs},
       can_be_fitted(to_be_fitted) {
     device = rtcNewDevice(nullptr);
     check();
     count_memory();
-    scene = rtcNewScene(device);
+    scene = new_scene();
+    if (can_be_fitted) {
+        rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_LOW);
+        looseness = Looseness(data.positions, data.indices);
+    }
+    vertices();
+    add_triangles();
+    if (!data.instances.empty()) {
+        add_shared_meshes();
+        add_instances();
+    }
+    rtcCommitScene(scene);
+    check();
+}
+
+RTCScene RayTracer::Handles::new_scene() const {
+    const RTCScene made = rtcNewScene(device);
     // With ROBUST no light leaks along shared edges. Trees of other scenes than dynamic ones of low
     // quality are always built anew.
     const auto dynamic = can_be_fitted ? RTC_SCENE_FLAG_DYNAMIC : RTC_SCENE_FLAG_NONE;
-    rtcSetSceneFlags(scene, static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | dynamic));
-    if (can_be_fitted) {
-        rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_LOW);
-        looseness = Looseness(positions, indices);
-    }
-    if (!indices.empty()) add_triangles();
-    rtcCommitScene(scene);
-    check();
+    rtcSetSceneFlags(made, static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | dynamic));
+    return made;
 }
 
-void RayTracer::Handles::add_triangles() {
-    geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, vertices(),
-                               0, sizeof(V3f), positions.size());
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, indices.data(),
-                               0, 3 * sizeof(std::uint32_t), indices.size() / 3);
-    rtcSetGeometryUserData(geometry, &triangles);
+/// A geometry of some of the triangles.
+RTCGeometry RayTracer::Handles::new_triangles(std::size_t first, std::size_t end) {
+    triangles.push_back({&data, static_cast<std::uint32_t>(first),
+                         static_cast<std::uint32_t>(firsts.size()), std::min(scale, 1.0f)});
+    const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                               scale == 1.0f ? data.positions.data() : scaled.data(), 0,
+                               sizeof(V3f), data.positions.size());
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                               data.indices.data(), 3 * sizeof(std::uint32_t) * first,
+                               3 * sizeof(std::uint32_t), end - first);
+    rtcSetGeometryUserData(geometry, &triangles.back());
     rtcSetGeometryOccludedFilterFunction(geometry, filter_shadow_hits);
-    if (triangles.cut_outs != nullptr) {
-        rtcSetGeometryIntersectFilterFunction(geometry, filter_cut_outs);
+    if (data.has_cut_outs) rtcSetGeometryIntersectFilterFunction(geometry, filter_cut_outs);
+    return geometry;
+}
+
+/// Adds the triangles that stand: those between shared meshes are a geometry each.
+void RayTracer::Handles::add_triangles() {
+    const auto count = static_cast<MeshId>(data.meshes.size());
+    for (MeshId mesh = 0; mesh < count;) {
+        if (data.meshes[mesh].is_shared) {
+            ++mesh;
+            continue;
+        }
+        const std::size_t first = data.triangles_of(mesh).begin;
+        std::size_t end = first;
+        for (; mesh < count && !data.meshes[mesh].is_shared; ++mesh) {
+            end = data.triangles_of(mesh).end;
+        }
+        if (end == first) continue;
+        const RTCGeometry geometry = geometries.emplace_back(new_triangles(first, end));
+        if (can_be_fitted) rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_REFIT);
+        rtcCommitGeometry(geometry);
+        rtcAttachGeometryByID(scene, geometry, static_cast<unsigned>(firsts.size()));
+        firsts.push_back(static_cast<std::uint32_t>(first));
     }
-    if (can_be_fitted) rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_REFIT);
-    rtcCommitGeometry(geometry);
-    rtcAttachGeometry(scene, geometry);
+}
+
+void RayTracer::Handles::add_shared_meshes() {
+    shared.resize(data.meshes.size());
+    for (const Instance& instance : data.instances) {
+        RTCScene& part = shared[instance.mesh];
+        if (part != nullptr) continue;
+        part = new_scene();
+        const SceneData::Range range = data.triangles_of(instance.mesh);
+        if (range.size() > 0) {
+            const RTCGeometry geometry = new_triangles(range.begin, range.end);
+            rtcCommitGeometry(geometry);
+            rtcAttachGeometry(part, geometry);
+            rtcReleaseGeometry(geometry);
+        }
+        rtcCommitScene(part);
+    }
+}
+
+void RayTracer::Handles::add_instances() {
+    for (const Instance& instance : data.instances) {
+        const RTCGeometry geometry =
+            geometries.emplace_back(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE));
+        rtcSetGeometryInstancedScene(geometry, shared[instance.mesh]);
+        float rows[12];
+        for (std::size_t k = 0; k < 3; ++k) {
+            const V3f& row = instance.rows[k];
+            const float moved = instance.translation[static_cast<int>(k)] * scale;
+            std::copy_n(std::array{row.x, row.y, row.z, moved}.begin(), 4, rows + 4 * k);
+        }
+        rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, rows);
+        rtcCommitGeometry(geometry);
+        rtcAttachGeometryByID(scene, geometry, static_cast<unsigned>(geometries.size() - 1));
+    }
 }
 
 void RayTracer::Handles::fit() {
-    if (geometry == nullptr) return;
     vertices();
-    rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
-    rtcCommitGeometry(geometry);
+    for (std::size_t i = 0; i < firsts.size(); ++i) {
+        rtcUpdateGeometryBuffer(geometries[i], RTC_BUFFER_TYPE_VERTEX, 0);
+        rtcCommitGeometry(geometries[i]);
+    }
     rtcCommitScene(scene);
     check();
 }
 
-RayTracer::RayTracer(Span<const V3f> positions, Span<const std::uint32_t> indices,
-                     Span<const TriangleRecord> triangles, float reach, const SceneData* cut_outs)
-    : handles_(std::make_unique<Handles>(positions, indices, triangles, reach, cut_outs, false)) {
+/// What a lane of a packet has hit.
+Hit RayTracer::Handles::hit_of(const RTCHit16& hits, std::size_t lane) const noexcept {
+    const unsigned geometry = hits.geomID[lane], placed = hits.instID[0][lane];
+    if (geometry == RTC_INVALID_GEOMETRY_ID) return {kNoHit, hits.u[lane], hits.v[lane]};
+    if (placed == RTC_INVALID_GEOMETRY_ID) {
+        return {firsts[geometry] + hits.primID[lane], hits.u[lane], hits.v[lane]};
+    }
+    const auto instance = placed - static_cast<std::uint32_t>(firsts.size());
+    const MeshRecord& mesh = data.meshes[data.instances[instance].mesh];
+    return {mesh.first_triangle + hits.primID[lane], hits.u[lane], hits.v[lane], instance};
+}
+
+RayTracer::RayTracer(const SceneData& scene, float reach)
+    : handles_(std::make_unique<Handles>(scene, reach, false)) {
 }
 
 SceneRefit RayTracer::refit(float reach, float max_growth) {
     const Handles& h = *handles_;
     SceneRefit result;
-    result.rebuilt = !h.can_be_fitted || scale_for_embree(reach) != h.scale;
+    result.rebuilt = !h.can_be_fitted || scale_for_embree(reach) != h.scale ||
+                     h.data.positions.data() != h.positions;
     if (!result.rebuilt) {
-        result.growth = h.looseness.growth(h.positions, h.indices);
+        result.growth = h.looseness.growth(h.data.positions, h.data.indices);
         result.rebuilt = result.growth > max_growth;
     }
     if (result.rebuilt) {
-        handles_ = std::make_unique<Handles>(
-            h.positions, h.indices,
-            Span<const TriangleRecord>(h.triangles.records, h.indices.size() / 3), reach,
-            h.triangles.cut_outs, true);
+        handles_ = std::make_unique<Handles>(h.data, reach, true);
     } else {
         handles_->fit();
     }
@@ -216,11 +303,10 @@ void RayTracer::intersect(Span<const Ray> rays, Span<Hit> hits, bool coherent) c
     for (std::size_t first = 0; first < rays.size(); first += kPacket) {
         const std::size_t count = fill(rays, first, handles_->scale, packet.ray, valid);
         std::fill_n(packet.hit.geomID, kPacket, RTC_INVALID_GEOMETRY_ID);
+        std::fill_n(packet.hit.instID[0], kPacket, RTC_INVALID_GEOMETRY_ID);
         embree::intersect16(valid, handles_->scene, packet, coherent);
         for (std::size_t i = 0; i < count; ++i) {
-            const bool hit = packet.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID;
-            hits[first + i] = {hit ? packet.hit.primID[i] : kNoHit, packet.hit.u[i],
-                               packet.hit.v[i]};
+            hits[first + i] = handles_->hit_of(packet.hit, i);
         }
     }
 }

@@ -2,7 +2,6 @@
 
 #include "base/core_export.h"
 #include "render/ray.h"
-#include "render/triangle_record.h"
 #include "render/vec.h"
 
 #include <lightcull/render/scene.h>
@@ -16,17 +15,17 @@ namespace lightcull {
 
 struct SceneData;
 
-/// Finds what rays hit among triangles. Where one is cut out, rays go on.
+/// Finds what rays hit among the triangles of a scene, and those of instances. Where one is cut
+/// out, rays go on.
 class LIGHTCULL_CORE_EXPORT RayTracer {
   public:
-    /// Builds the acceleration structure in the caller's TBB arena. `positions` stay the caller's,
-    /// who keeps them in place and one more element readable after the last, and so do the others.
-    /// reach: the largest coordinate, but for its sign, of what rays begin or end at. cut_outs: the
-    /// scene of the triangles, if some of them are cut out. Throws Error.
-    RayTracer(Span<const V3f> positions, Span<const std::uint32_t> indices,
-              Span<const TriangleRecord> triangles, float reach, const SceneData* cut_outs);
-    /// Follows positions that have changed in their places, by fitting the acceleration structure,
-    /// which is built anew the first time and where it has grown looser than max_growth.
+    /// Builds the acceleration structure in the caller's TBB arena. The scene stays where it is,
+    /// and its triangles what they are; one more element is readable after the last position.
+    /// reach: the largest coordinate, but for its sign, of what rays begin or end at. Throws Error.
+    RayTracer(const SceneData& scene, float reach);
+    /// Follows positions that have changed, by fitting the acceleration structure, which is built
+    /// anew the first time, where it has grown looser than max_growth, and where the positions are
+    /// in another place of memory.
     SceneRefit refit(float reach, float max_growth);
 
     ~RayTracer();

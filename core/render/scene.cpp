@@ -77,6 +77,24 @@ void check_geometry(const std::string& name, const Mesh& mesh) {
     }
 }
 
+V2f to_vector(float2 a) noexcept {
+    return {a.x, a.y};
+}
+V3f to_vector(float3 a) noexcept {
+    return to_v3f(a);
+}
+
+/// Adds the attributes of a mesh to those of all. One more stays readable after the last: Embree
+/// reads 16 bytes of a position.
+template <typename From, typename To>
+void append(Span<const From> from, SharedArray<To>& to) {
+    to.change([from](std::vector<To>& all) {
+        for (const From a : from) all.push_back(to_vector(a));
+        all.emplace_back();
+        all.pop_back();
+    });
+}
+
 V3f radiance_of(const Emission& emission, std::size_t triangle) noexcept {
     const V3f radiance = to_v3f(emission.radiance);
     if (emission.face_radiance.empty()) return radiance;
@@ -119,7 +137,7 @@ void check_mesh(const std::string& name, const Mesh& mesh, const SceneData& scen
     const Material& m = scene.materials[mesh.material];
     const bool textured = m.base_color_texture != kNoTexture ||
                           m.metallic_roughness_texture != kNoTexture ||
-                          m.opacity_texture != kNoTexture;
+                          m.opacity_texture != kNoTexture || m.normal_texture != kNoTexture;
     if (textured && mesh.uvs.empty()) {
         check::fail(name + ": material " + std::to_string(mesh.material),
                     "has textures, and the mesh has no uvs");
@@ -155,7 +173,7 @@ void add_triangle_lights(SceneData& scene, const Mesh& mesh) {
                               scene.uv_at(triangle, 0.0f, 1.0f));
         }
         const auto light = static_cast<std::uint32_t>(scene.lights.size());
-        scene.triangles[triangle].light = light;
+        scene.triangles.change([&](auto& triangles) { triangles[triangle].light = light; });
         scene.emitters.emplace_back(TriangleEmitter{V3f(0.0f), V3f(0.0f), V3f(0.0f), radiance,
                                                     triangle, kNone, e.two_sided,
                                                     e.texture != kNoTexture});
@@ -166,7 +184,54 @@ void add_triangle_lights(SceneData& scene, const Mesh& mesh) {
     }
 }
 
+MeshId add_mesh(SceneData& s, const Mesh& mesh) {
+    check_not_committed(s);
+    const auto id = static_cast<MeshId>(s.meshes.size());
+    const std::string name = "mesh \"" + mesh.name + "\"";
+    check_mesh(name, mesh, s);
+
+    MeshRecord record;
+    record.material = mesh.material;
+    record.first_triangle = static_cast<std::uint32_t>(s.triangles.size());
+    record.emission_texture = mesh.emission.texture;
+    record.first_position = static_cast<std::uint32_t>(s.positions.size());
+    append(mesh.positions, s.positions);
+    if (!mesh.normals.empty()) {
+        record.first_normal = static_cast<std::uint32_t>(s.normals.size());
+        append(mesh.normals, s.normals);
+    }
+    if (!mesh.uvs.empty()) {
+        record.first_uv = static_cast<std::uint32_t>(s.uvs.size());
+        append(mesh.uvs, s.uvs);
+    }
+    if (!mesh.colors.empty()) {
+        record.first_color = static_cast<std::uint32_t>(s.colors.size());
+        append(mesh.colors, s.colors);
+    }
+    s.has_cut_outs |= is_cut_out(s.materials[mesh.material]);
+    s.indices.change([&](auto& indices) {
+        for (const std::uint32_t i : mesh.indices) indices.push_back(record.first_position + i);
+    });
+    s.meshes.push_back(record);
+    s.triangles.change([&](auto& triangles) {
+        triangles.resize(triangles.size() + mesh.indices.size() / 3, TriangleRecord{id, kNone});
+    });
+    add_triangle_lights(s, mesh);
+    return id;
+}
+
 }  // namespace
+
+Imath::Box3f bounds_of(const SceneData& scene, const Instance& instance) noexcept {
+    const Imath::Box3f& box = scene.meshes[instance.mesh].bounds;
+    Imath::Box3f placed;
+    for (const float x : {box.min.x, box.max.x}) {
+        for (const float y : {box.min.y, box.max.y}) {
+            for (const float z : {box.min.z, box.max.z}) placed.extendBy(instance.at({x, y, z}));
+        }
+    }
+    return placed;
+}
 
 float reach_of(const SceneData& scene) noexcept {
     float reach = max_component(abs(to_v3f(scene.camera.origin))) + scene.camera.aperture_radius +
@@ -175,6 +240,11 @@ float reach_of(const SceneData& scene) noexcept {
         reach = std::max({reach, std::fabs(x), std::fabs(y), std::fabs(z)});
     };
     for (const V3f& p : scene.positions) include(p.x, p.y, p.z);
+    for (const Instance& instance : scene.instances) {
+        const Imath::Box3f box = bounds_of(scene, instance);
+        include(box.min.x, box.min.y, box.min.z);
+        include(box.max.x, box.max.y, box.max.z);
+    }
     for (const Light& light : scene.lights) {
         include(light.center.x, light.center.y, light.center.z);
     }
@@ -185,10 +255,7 @@ void make_traceable(SceneData& scene) {
     check_not_committed(scene);
     place_moved_lights(scene);
     scene.is_moved = false;
-    // Embree reads 16 bytes from the last position.
-    scene.positions.reserve(scene.positions.size() + 1);
-    scene.ray_tracer.emplace(scene.positions, scene.indices, scene.triangles, reach_of(scene),
-                             scene.has_cut_outs ? &scene : nullptr);
+    scene.ray_tracer.emplace(scene, reach_of(scene));
 }
 
 Scene::Scene() : data_(std::make_unique<SceneData>()) {
@@ -220,41 +287,48 @@ MaterialId Scene::add_material(const Material& material) {
     check_reflectance(name + "opacity_texture", material.opacity_texture, data_->textures);
     check_reflectance(name + "metallic_roughness_texture", material.metallic_roughness_texture,
                       data_->textures);
+    if (material.normal_texture != kNoTexture) {
+        check::index(name + "normal_texture", material.normal_texture, data_->textures.size(),
+                     "textures");
+    }
+    check::finite(name + "normal_scale", material.normal_scale);
     data_->materials.push_back(material);
     return static_cast<MaterialId>(data_->materials.size() - 1);
 }
 
 MeshId Scene::add_mesh(const Mesh& mesh) {
+    return lightcull::add_mesh(*data_, mesh);
+}
+
+MeshId Scene::add_shared_mesh(const Mesh& mesh) {
+    if (luminance(to_v3f(mesh.emission.radiance)) > 0.0f) {
+        check::fail("mesh \"" + mesh.name + "\"", "emits: what is shared cannot");
+    }
+    const MeshId id = lightcull::add_mesh(*data_, mesh);
+    MeshRecord& record = data_->meshes[id];
+    record.is_shared = true;
+    for (const float3 p : mesh.positions) record.bounds.extendBy(to_v3f(p));
+    return id;
+}
+
+void Scene::add_instance(MeshId mesh, const Placement& placement) {
     SceneData& s = *data_;
     check_not_committed(s);
-    const auto id = static_cast<MeshId>(s.meshes.size());
-    const std::string name = "mesh \"" + mesh.name + "\"";
-    check_mesh(name, mesh, s);
-
-    MeshRecord record;
-    record.material = mesh.material;
-    record.first_triangle = static_cast<std::uint32_t>(s.triangles.size());
-    record.emission_texture = mesh.emission.texture;
-    record.first_position = static_cast<std::uint32_t>(s.positions.size());
-    for (const float3 p : mesh.positions) s.positions.push_back(to_v3f(p));
-    if (!mesh.normals.empty()) {
-        record.first_normal = static_cast<std::uint32_t>(s.normals.size());
-        for (const float3 n : mesh.normals) s.normals.push_back(to_v3f(n));
+    const std::string name = name_of("instance", s.instances.size());
+    check::index(name + "mesh", mesh, s.meshes.size(), "meshes");
+    if (!s.meshes[mesh].is_shared) check::fail(name + "mesh", "is not a shared one");
+    for (const auto& row : placement.rows) {
+        for (const float number : row) check::finite(name + "placement", number);
     }
-    if (!mesh.uvs.empty()) {
-        record.first_uv = static_cast<std::uint32_t>(s.uvs.size());
-        for (const float2 uv : mesh.uvs) s.uvs.emplace_back(uv.x, uv.y);
+    const Instance instance(mesh, placement);
+    const float volume = instance.rows[0].dot(instance.rows[1].cross(instance.rows[2]));
+    if (!std::isnormal(volume)) check::fail(name + "placement", "makes the mesh flat");
+    if (!s.meshes[mesh].bounds.isEmpty()) {
+        const Imath::Box3f box = bounds_of(s, instance);
+        check::position(name + "placement", to_float3(box.min));
+        check::position(name + "placement", to_float3(box.max));
     }
-    if (!mesh.colors.empty()) {
-        record.first_color = static_cast<std::uint32_t>(s.colors.size());
-        for (const float3 c : mesh.colors) s.colors.push_back(to_v3f(c));
-    }
-    s.has_cut_outs |= is_cut_out(s.materials[mesh.material]);
-    for (const std::uint32_t i : mesh.indices) s.indices.push_back(record.first_position + i);
-    s.meshes.push_back(record);
-    s.triangles.resize(s.triangles.size() + mesh.indices.size() / 3, TriangleRecord{id, kNone});
-    add_triangle_lights(s, mesh);
-    return id;
+    s.instances.push_back(instance);
 }
 
 void Scene::add_point_light(float3 position, float3 intensity) {
@@ -330,7 +404,13 @@ std::size_t Scene::emitter_count() const noexcept {
     return data_->lights.size() - data_->further_parts;
 }
 std::size_t Scene::triangle_count() const noexcept {
-    return data_->triangles.size();
+    const SceneData& s = *data_;
+    std::size_t count = 0;
+    for (MeshId id = 0; id < s.meshes.size(); ++id) {
+        if (!s.meshes[id].is_shared) count += s.triangles_of(id).size();
+    }
+    for (const Instance& instance : s.instances) count += s.triangles_of(instance.mesh).size();
+    return count;
 }
 bool Scene::has_environment() const noexcept {
     return data_->environment.has_value();
@@ -341,9 +421,8 @@ const Camera& Scene::camera() const noexcept {
 SceneMemory Scene::memory_size() const noexcept {
     const SceneData& s = *data_;
     SceneMemory memory;
-    memory.data = size_of(s.materials) + size_of(s.meshes) + size_of(s.triangles) +
-                  size_of(s.indices) + size_of(s.positions) + size_of(s.normals) + size_of(s.uvs) +
-                  size_of(s.colors) + size_of(s.emitters) + size_of(s.lights) +
+    memory.data = size_of(s.materials) + size_of(s.meshes) + size_of(s.instances) +
+                  s.geometry_size(false) + size_of(s.emitters) + size_of(s.lights) +
                   size_of(s.mean_radiances) + size_of(s.virtual_lights) + s.cuts.memory_size() +
                   size_of(s.part_lights);
     for (const Texture& texture : s.textures) memory.data += lightcull::memory_size(texture);

@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <utility>
 #include <variant>
 
 namespace lightcull {
@@ -17,8 +18,7 @@ float angle_of(float versine) noexcept {
     return static_cast<float>(2.0 * std::asin(std::sqrt(0.5 * static_cast<double>(versine))));
 }
 
-template <typename Vector>
-std::vector<float3> float3s(const std::vector<Vector>& from, std::size_t begin, std::size_t count) {
+std::vector<float3> float3s(const SharedArray<V3f>& from, std::size_t begin, std::size_t count) {
     std::vector<float3> result;
     result.reserve(count);
     for (std::size_t i = begin; i < begin + count; ++i) result.push_back(to_float3(from[i]));
@@ -72,6 +72,19 @@ MeshContents contents_of(const SceneData& scene, MeshId id) {
     return contents;
 }
 
+/// A mesh of its own, where the instance stands; its fronts stay fronts.
+MeshContents contents_of(const SceneData& scene, const Instance& instance) {
+    MeshContents contents = contents_of(scene, instance.mesh);
+    for (float3& p : contents.positions) p = to_float3(instance.at(to_v3f(p)));
+    for (float3& n : contents.normals) {
+        n = to_float3(instance.normal(to_v3f(n)).normalized());
+    }
+    for (std::size_t i = 0; instance.is_mirrored && i < contents.indices.size(); i += 3) {
+        std::swap(contents.indices[i], contents.indices[i + 2]);
+    }
+    return contents;
+}
+
 }  // namespace
 
 SceneContents contents_of(const Scene& scene) {
@@ -83,7 +96,10 @@ SceneContents contents_of(const Scene& scene) {
     contents.materials = data.materials;
     for (const Texture& texture : data.textures) contents.textures.push_back(decoded(texture));
     for (MeshId id = 0; id < data.meshes.size(); ++id) {
-        contents.meshes.push_back(contents_of(data, id));
+        if (!data.meshes[id].is_shared) contents.meshes.push_back(contents_of(data, id));
+    }
+    for (const Instance& instance : data.instances) {
+        contents.meshes.push_back(contents_of(data, instance));
     }
     for (const Emitter& emitter : data.emitters) {
         if (const auto* const point = std::get_if<PointEmitter>(&emitter)) {

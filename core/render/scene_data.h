@@ -1,13 +1,16 @@
 #pragma once
 
+#include "base/shared_array.h"
 #include "render/emitter.h"
 #include "render/environment.h"
+#include "render/instance.h"
 #include "render/ray_tracer.h"
 #include "render/texture_mean.h"
 #include "render/triangle_record.h"
 #include "render/vec.h"
 #include "render/virtual_emitter.h"
 
+#include <ImathBox.h>
 #include <lightcull/light.h>
 #include <lightcull/render/scene.h>
 #include <lightcull/triangle_cuts.h>
@@ -30,6 +33,8 @@ struct MeshRecord {
     std::uint32_t first_uv = kNone;      ///< index of the first texture coordinates; kNone: none
     std::uint32_t first_color = kNone;   ///< index of the first colour of a vertex; kNone: none
     TextureId emission_texture = kNoTexture;
+    bool is_shared = false;  ///< it stands where instances place it, and nowhere else
+    Imath::Box3f bounds{};   ///< bounds of a shared one
 };
 
 struct SceneData {
@@ -39,11 +44,12 @@ struct SceneData {
     bool has_cut_outs = false;  ///< a mesh has a material that is_cut_out()
 
     std::vector<MeshRecord> meshes;
-    std::vector<TriangleRecord> triangles;
-    std::vector<std::uint32_t> indices;  ///< three per triangle, into positions
-    std::vector<V3f> positions, normals;
-    std::vector<V2f> uvs;
-    std::vector<V3f> colors;
+    std::vector<Instance> instances;
+    SharedArray<TriangleRecord> triangles;
+    SharedArray<std::uint32_t> indices;  ///< three per triangle, into positions
+    SharedArray<V3f> positions, normals;
+    SharedArray<V2f> uvs;
+    SharedArray<V3f> colors;
 
     std::vector<Emitter> emitters;      ///< emitters, or parts of triangles that are cut
     std::vector<Light> lights;          ///< lights of the emitters, one each
@@ -68,6 +74,7 @@ struct SceneData {
 
     struct Range {
         std::size_t begin, end;
+        std::size_t size() const noexcept { return end - begin; }
     };
     /// The positions, and the triangles, that belong to a mesh.
     Range positions_of(MeshId mesh) const noexcept {
@@ -79,6 +86,14 @@ struct SceneData {
         const bool is_last = std::size_t{mesh} + 1 == meshes.size();
         return {meshes[mesh].first_triangle,
                 is_last ? triangles.size() : meshes[mesh + 1].first_triangle};
+    }
+
+    /// The bytes of all triangles and vertices; shared: of those arrays alone that others share.
+    std::size_t geometry_size(bool shared) const noexcept {
+        const auto of = [shared](const auto& array) {
+            return !shared || array.is_shared() ? array.memory_size() : 0;
+        };
+        return of(triangles) + of(indices) + of(positions) + of(normals) + of(uvs) + of(colors);
     }
 
     /// The index of a corner into positions.
@@ -93,6 +108,9 @@ struct SceneData {
                uvs[corner(triangle, 1) + shift] * u + uvs[corner(triangle, 2) + shift] * v;
     }
 };
+
+/// The box around an instance's box.
+Imath::Box3f bounds_of(const SceneData& scene, const Instance& instance) noexcept;
 
 /// The largest coordinate, but for its sign, of what is in the scene.
 float reach_of(const SceneData& scene) noexcept;

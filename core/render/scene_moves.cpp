@@ -58,6 +58,12 @@ void check_normals(const SceneData& scene, MeshId mesh, const std::string& name,
     }
 }
 
+void replace(SharedArray<V3f>& array, std::size_t first, Span<const float3> values) {
+    array.change([&](std::vector<V3f>& all) {
+        for (std::size_t i = 0; i < values.size(); ++i) all[first + i] = to_v3f(values[i]);
+    });
+}
+
 /// The number of emitters of either of two kinds.
 template <typename A, typename B>
 std::size_t count_of(const SceneData& scene) noexcept {
@@ -76,6 +82,8 @@ void Scene::set_mesh_positions(MeshId mesh, Span<const float3> positions,
     check_may_move(s);
     check::index("set_mesh_positions: mesh", mesh, s.meshes.size(), "meshes");
     const std::string name = "mesh " + std::to_string(mesh);
+    if (s.meshes[mesh].is_shared)
+        check::fail(name, "is shared: instances of it stay where they are");
     const SceneData::Range range = s.positions_of(mesh);
     check_count(name + ": positions", positions.size(), range.end - range.begin, " corners");
     check::positions(name + ": positions", positions);
@@ -84,12 +92,8 @@ void Scene::set_mesh_positions(MeshId mesh, Span<const float3> positions,
 
     if (emits) s.moved_meshes.push_back(mesh);
     s.is_moved = true;
-    for (std::size_t i = 0; i < positions.size(); ++i) {
-        s.positions[range.begin + i] = to_v3f(positions[i]);
-    }
-    for (std::size_t i = 0; i < normals.size(); ++i) {
-        s.normals[s.meshes[mesh].first_normal + i] = to_v3f(normals[i]);
-    }
+    replace(s.positions, range.begin, positions);
+    if (!normals.empty()) replace(s.normals, s.meshes[mesh].first_normal, normals);
 }
 
 void Scene::set_light_positions(Span<const float3> positions) {

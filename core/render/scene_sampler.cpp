@@ -1,4 +1,5 @@
 #include "render/camera.h"
+#include "render/camera_hits.h"
 #include "render/path_random.h"
 #include "render/scene_data.h"
 #include "render/settings.h"
@@ -16,16 +17,9 @@ namespace {
 /// The number of points of each kind that a sampler is calibrated on.
 constexpr std::uint32_t kCalibrationPoints = 128;
 
-/// The first hits of rays.
-std::vector<Hit> hits_of(const SceneData& scene, const std::vector<Ray>& rays) {
-    std::vector<Hit> hits(rays.size());
-    scene.ray_tracer->intersect(rays, hits, false);
-    return hits;
-}
-
-/// The surfaces that rays meet.
-std::vector<Surface> trace(const SceneData& scene, const std::vector<Ray>& rays) {
-    const std::vector<Hit> hits = hits_of(scene, rays);
+/// The surfaces where rays hit something.
+std::vector<Surface> surfaces_at(const SceneData& scene, const std::vector<Ray>& rays,
+                                 const std::vector<Hit>& hits) {
     std::vector<Surface> surfaces;
     for (std::size_t i = 0; i < rays.size(); ++i) {
         if (hits[i].triangle == kNoHit) continue;
@@ -62,8 +56,10 @@ std::vector<Ray> camera_rays(const Scene& scene, const RenderSettings& settings,
 /// The surfaces that these rays meet.
 std::vector<Surface> camera_surfaces(const Scene& scene, const RenderSettings& settings,
                                      std::uint32_t count) {
-    const std::vector<Ray> rays = camera_rays(scene, settings, count);
-    return trace(data_of(scene), rays);
+    std::vector<Ray> rays = camera_rays(scene, settings, count);
+    std::vector<Hit> hits(rays.size());
+    intersect_camera_rays(data_of(scene), settings.hide_emitters, rays, hits);
+    return surfaces_at(data_of(scene), rays, hits);
 }
 
 /// The surfaces that one scattered ray from each of the surfaces meets.
@@ -77,7 +73,9 @@ std::vector<Surface> bounce(const SceneData& scene, const std::vector<Surface>& 
             rays.push_back({from[i].origin, s.direction});
         }
     }
-    return trace(scene, rays);
+    std::vector<Hit> hits(rays.size());
+    scene.ray_tracer->intersect(rays, hits, false);
+    return surfaces_at(scene, rays, hits);
 }
 
 void append(const std::vector<Surface>& surfaces, std::vector<ShadingPoint>& points) {
@@ -95,9 +93,10 @@ std::vector<ShadingPoint> camera_points(const Scene& scene, const RenderSettings
 
 std::vector<std::optional<ShadingPoint>> pixel_points(const Scene& scene,
                                                       const RenderSettings& settings) {
-    const std::vector<Ray> rays = camera_rays(scene, settings, settings.width * settings.height);
+    std::vector<Ray> rays = camera_rays(scene, settings, settings.width * settings.height);
     const SceneData& data = data_of(scene);
-    const std::vector<Hit> hits = hits_of(data, rays);
+    std::vector<Hit> hits(rays.size());
+    intersect_camera_rays(data, settings.hide_emitters, rays, hits);
     std::vector<std::optional<ShadingPoint>> points(rays.size());
     for (std::size_t i = 0; i < rays.size(); ++i) {
         if (hits[i].triangle == kNoHit) continue;

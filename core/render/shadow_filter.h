@@ -1,8 +1,6 @@
 #pragma once
 
 #include "render/ray.h"
-#include "render/triangle_record.h"
-#include "render/vec.h"
 
 #include <cstdint>
 
@@ -12,20 +10,18 @@ namespace lightcull {
 
 struct SceneData;
 
-/// The triangles of a scene: the user data of filter_shadow_hits().
+/// Triangles of a scene: the user data of filter_shadow_hits().
 struct Triangles {
-    const V3f* positions;
-    const std::uint32_t* indices;  ///< three per triangle
-    const TriangleRecord* records;
+    const SceneData* scene;
+    std::uint32_t first;           ///< index of the first triangle
+    std::uint32_t first_instance;  ///< Embree's id of the first instance
     float distance_unit;  ///< a distance along a ray as Embree has it, over that of the ray
-    const SceneData* cut_outs = nullptr;  ///< their scene, if some of them are cut out
 };
 
 /// Whether a triangle that a ray hits at `distance`, in lengths of its direction, lies before the
 /// end of the ray: whether its plane parts the ends, by more than what rounding has moved the end.
 /// So nothing hides a place in its own plane, and a plate right before a lamp hides the lamp.
-bool hides_end(const Triangles& triangles, std::uint32_t triangle, float distance,
-               const Ray& ray) noexcept;
+bool hides_end(const SceneData& scene, const Hit& hit, float distance, const Ray& ray) noexcept;
 
 /// Embree's filter of hits: keeps those where a triangle is not cut out.
 void filter_cut_outs(const RTCFilterFunctionNArguments* hits);

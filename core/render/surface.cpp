@@ -1,5 +1,7 @@
 #include "render/surface.h"
 
+#include "render/facet.h"
+#include "render/normal_map.h"
 #include "render/scene_data.h"
 #include "render/texture.h"
 
@@ -9,17 +11,32 @@ namespace lightcull {
 namespace {
 
 /// The interpolated normal, or the geometric one where the mesh has none; on the viewer's side of
-/// the surface, and bent until it faces the viewer.
-V3f shading_normal(const SceneData& scene, const MeshRecord& mesh, const Hit& hit,
-                   const V3f& normal, const V3f& outgoing) noexcept {
+/// the surface.
+V3f smooth_normal(const SceneData& scene, const MeshRecord& mesh, const Hit& hit,
+                  const V3f& normal) noexcept {
     if (mesh.first_normal == kNone) return normal;
     const std::uint32_t shift = mesh.first_normal - mesh.first_position;
     V3f n = scene.normals[scene.corner(hit.triangle, 0) + shift] * (1.0f - hit.u - hit.v) +
             scene.normals[scene.corner(hit.triangle, 1) + shift] * hit.u +
             scene.normals[scene.corner(hit.triangle, 2) + shift] * hit.v;
+    if (hit.instance != kNotInstanced) n = scene.instances[hit.instance].normal(n);
     n.normalize();
     if (n == V3f(0.0f)) return normal;
-    if (n.dot(normal) < 0.0f) n = -n;
+    return n.dot(normal) < 0.0f ? -n : n;
+}
+
+/// The normal that light is reflected by: smooth, by the normal map where there is one, and bent
+/// until it faces the viewer.
+V3f shading_normal(const SceneData& scene, const MeshRecord& mesh, const Hit& hit,
+                   const Facet& facet, const V3f& normal, const V3f& outgoing) noexcept {
+    const Material& material = scene.materials[mesh.material];
+    const bool is_mapped = material.normal_texture != kNoTexture;
+    if (mesh.first_normal == kNone && !is_mapped) return normal;
+    V3f n = smooth_normal(scene, mesh, hit, normal);
+    if (is_mapped) {
+        n = mapped_normal(scene, material, hit, facet, n);
+        if (material.kind != MaterialKind::kDiffuse) n = bent_to_mirror(n, normal, outgoing);
+    }
     constexpr float kMinCosine = 1e-3f;
     const float cosine = n.dot(outgoing);
     return cosine >= kMinCosine ? n : unit(n + outgoing * (kMinCosine - cosine));
@@ -30,13 +47,6 @@ V3f vertex_color(const SceneData& scene, const MeshRecord& mesh, const Hit& hit)
     return scene.colors[scene.corner(hit.triangle, 0) + shift] * (1.0f - hit.u - hit.v) +
            scene.colors[scene.corner(hit.triangle, 1) + shift] * hit.u +
            scene.colors[scene.corner(hit.triangle, 2) + shift] * hit.v;
-}
-
-/// The largest coordinates of a triangle's corners, but for their signs.
-V3f largest(const V3f& a, const V3f& b, const V3f& c) noexcept {
-    const V3f p = abs(a), q = abs(b), r = abs(c);
-    return V3f(std::max(std::max(p.x, q.x), r.x), std::max(std::max(p.y, q.y), r.y),
-               std::max(std::max(p.z, q.z), r.z));
 }
 
 Bsdf make_bsdf(const SceneData& scene, const MeshRecord& mesh, const Hit& hit, const V3f& normal,
@@ -62,30 +72,35 @@ Bsdf make_bsdf(const SceneData& scene, const MeshRecord& mesh, const Hit& hit, c
     return Bsdf::metallic_roughness(normal, outgoing, base_color, metallic, roughness);
 }
 
+/// The surface but for its BSDF.
+Surface flat_surface(const Facet& facet, const Hit& hit, const V3f& direction) noexcept {
+    Surface s;
+    s.position = facet.at(hit.u, hit.v);
+    s.normal = triangle_normal(facet.edge1, facet.edge2);
+    if (s.normal.dot(direction) > 0.0f) s.normal = -s.normal;
+    s.origin =
+        s.position + s.normal * clearance(s.normal, facet.magnitude, facet.edge1, facet.edge2);
+    return s;
+}
+
 }  // namespace
 
 V3f hit_position(const SceneData& scene, const Hit& hit) noexcept {
-    return scene.positions[scene.corner(hit.triangle, 0)] * (1.0f - hit.u - hit.v) +
-           scene.positions[scene.corner(hit.triangle, 1)] * hit.u +
-           scene.positions[scene.corner(hit.triangle, 2)] * hit.v;
+    return Facet(scene, hit.triangle, hit.instance).at(hit.u, hit.v);
+}
+
+V3f origin_behind(const SceneData& scene, const Hit& hit, const V3f& direction) noexcept {
+    const Surface s = flat_surface(Facet(scene, hit.triangle, hit.instance), hit, direction);
+    return s.position + (s.position - s.origin);
 }
 
 Surface make_surface(const SceneData& scene, const Hit& hit, const V3f& direction) noexcept {
-    const V3f& a = scene.positions[scene.corner(hit.triangle, 0)];
-    const V3f& b = scene.positions[scene.corner(hit.triangle, 1)];
-    const V3f& c = scene.positions[scene.corner(hit.triangle, 2)];
-    const V3f edge1 = b - a, edge2 = c - a;
-
-    Surface s;
-    s.position = a * (1.0f - hit.u - hit.v) + b * hit.u + c * hit.v;
-    s.normal = triangle_normal(edge1, edge2);
-    if (s.normal.dot(direction) > 0.0f) s.normal = -s.normal;
-    s.origin = s.position + s.normal * clearance(s.normal, largest(a, b, c), edge1, edge2);
-
+    const Facet facet(scene, hit.triangle, hit.instance);
+    Surface s = flat_surface(facet, hit, direction);
     const MeshRecord& mesh = scene.meshes[scene.triangles[hit.triangle].mesh];
     const V3f outgoing = -direction;
-    s.bsdf =
-        make_bsdf(scene, mesh, hit, shading_normal(scene, mesh, hit, s.normal, outgoing), outgoing);
+    const V3f normal = shading_normal(scene, mesh, hit, facet, s.normal, outgoing);
+    s.bsdf = make_bsdf(scene, mesh, hit, normal, outgoing);
     return s;
 }
 

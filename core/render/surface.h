@@ -27,6 +27,9 @@ struct Surface {
 
 V3f hit_position(const SceneData& scene, const Hit& hit) noexcept;
 
+/// The start of a ray that goes on along `direction` through what it has hit.
+V3f origin_behind(const SceneData& scene, const Hit& hit, const V3f& direction) noexcept;
+
 /// The surface at a hit of a ray that came along `direction` (unit length).
 LIGHTCULL_CORE_EXPORT Surface make_surface(const SceneData& scene, const Hit& hit,
                                            const V3f& direction) noexcept;

@@ -1,5 +1,6 @@
 #include "render/wavefront.h"
 
+#include "render/camera_hits.h"
 #include "render/emitter.h"
 #include "render/morton_sort.h"
 #include "render/scene_data.h"
@@ -66,8 +67,13 @@ std::uint64_t Wavefront::take_ray_count() noexcept {
 
 void Wavefront::intersect() {
     hits_.resize(rays_.size());
-    pass_->scene.ray_tracer->intersect(rays_, hits_, depth_ == 1);
-    rays_traced_ += rays_.size();
+    if (depth_ == 1) {
+        rays_traced_ +=
+            intersect_camera_rays(pass_->scene, pass_->settings.hide_emitters, rays_, hits_);
+    } else {
+        pass_->scene.ray_tracer->intersect(rays_, hits_, false);
+        rays_traced_ += rays_.size();
+    }
 }
 
 void Wavefront::add_emission() {
@@ -92,7 +98,8 @@ void Wavefront::add_emission() {
 }
 
 V3f Wavefront::escaped(const Path& path, const Ray& ray) const noexcept {
-    if (!pass_->scene.environment) return V3f(0.0f);
+    const bool is_hidden = depth_ == 1 && pass_->settings.hide_emitters;
+    if (!pass_->scene.environment || is_hidden) return V3f(0.0f);
     const EnvironmentValue value = pass_->scene.environment->at(ray.direction);
     return value.radiance * hit_weight(path, value.pdf);
 }

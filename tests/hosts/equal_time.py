@@ -1,12 +1,14 @@
-"""Measures `lightcull_path` against Mitsuba's `path` in equal time. Not a test: it takes minutes.
+"""Measures `lightcull_path` against Mitsuba's `path` in equal time, or on `street`, which is in fog,
+`lightcull_volpath` against `volpath`. Not a test: it takes minutes.
 
     python tests/hosts/equal_time.py lanterns scalar_rgb --seconds 60
     python tests/hosts/equal_time.py lanterns llvm_ad_rgb --seconds 60
     python tests/hosts/equal_time.py cornell scalar_rgb --seconds 60
     python tests/hosts/equal_time.py offices scalar_rgb --integrators learned --seconds 60
+    python tests/hosts/equal_time.py street llvm_ad_rgb --max-depth 4 --seconds 60
 
 The integrators take turns; a render's set-up counts. That takes `--seconds` for each of them, and
-the reference, which `lightcull_path` makes, `--reference`. In scalar_rgb every triangle of
+the reference, which lightcull makes, `--reference`. The bulbs of `street` are not seen directly. In scalar_rgb every triangle of
 `lanterns` is an emitter of its own; in llvm_ad_rgb they are one mesh with a texel for each, which
 `path` can sample. Efficiency is 1 / (relMSE x seconds).
 """
@@ -22,6 +24,7 @@ import mitsuba as mi
 import numpy as np
 from lightcull.report.metrics import relmse, relmse_of_mean
 from mitsuba_export import export
+from volume_scenes import street
 
 REFERENCE_SEED = 1 << 20
 
@@ -59,6 +62,8 @@ def load(name: str, variant: str, size: tuple[int, int]) -> Any:
         scene = mi.cornell_box()
         film = scene["sensor"]["film"] | {"width": size[0], "height": size[0]}
         return mi.load_dict(scene | {"sensor": scene["sensor"] | {"film": film}})
+    if name == "street":
+        return mi.load_dict(street(size))
     return mi.load_dict(export(name, "triangles" if "scalar" in variant else "texture", size))
 
 
@@ -70,7 +75,7 @@ def turns(contenders: list[Contender], seconds: float) -> None:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("scene", choices=["lanterns", "city", "offices", "cornell"])
+    parser.add_argument("scene", choices=["lanterns", "city", "offices", "cornell", "street"])
     parser.add_argument("variant", choices=["scalar_rgb", "llvm_ad_rgb"])
     parser.add_argument("--seconds", type=float, default=60)
     parser.add_argument("--reference", type=float, help="seconds; default: 4 times --seconds")
@@ -97,33 +102,40 @@ def main() -> None:
             "keep_learned": True,
         },
     }
+    by, best, wanted = "path", "culled", {"path", "culled", *options.integrators}
+    if "learned" in options.integrators:
+        best = "learned"
+    more: dict[str, Any] = {"max_depth": options.max_depth}
+    if options.scene == "street":
+        by, best = "volpath", "lightcull_volpath"
+        wanted = {by, best}
+        integrators = {name: {"type": name} for name in (by, best)}
+        more["hide_emitters"] = True
     contenders = {
-        name: Contender(scene, d | {"max_depth": options.max_depth}, options.spp)
+        name: Contender(scene, d | more, options.spp)
         for name, d in integrators.items()
-        if name in {"path", "culled", *options.integrators}
+        if name in wanted
     }
     total = options.seconds * len(contenders) + reference_seconds
     print(f"{len(contenders)} integrators and the reference: {total:g} s", flush=True)
     turns(list(contenders.values()), options.seconds)
     # By the best one, in two halves with seeds of their own: how they differ tells what the
     # reference itself adds to an error, which is taken off.
-    best = integrators["learned" if "learned" in contenders else "culled"]
-    best = best | {"max_depth": options.max_depth}
-    halves = [Contender(scene, best, options.spp) for _ in range(2)]
+    halves = [Contender(scene, integrators[best] | more, options.spp) for _ in range(2)]
     for i, half in enumerate(halves):
         while half.seconds < 0.5 * reference_seconds:
             half.render(REFERENCE_SEED * (i + 1) + half.renders)
     reference = 0.5 * (halves[0].image + halves[1].image)
     own = relmse_of_mean(halves[0].image, halves[1].image)
-    path = contenders["path"]
+    path = contenders[by]
     path_error = relmse(path.image, reference) - own
     for name, c in contenders.items():
         error = relmse(c.image, reference) - own
         gain = path_error * path.seconds / (error * c.seconds)
         processor_gain = path_error * path.processor_seconds / (error * c.processor_seconds)
         print(
-            f"{name:10} {c.spp:6} spp in {c.seconds:6.1f} s  relMSE {error:8.4g}  "
-            f"mean {c.image.mean():.4f}  x path {gain:.3g} (by processor time {processor_gain:.3g})"
+            f"{name:17} {c.spp:6} spp in {c.seconds:6.1f} s  relMSE {error:8.4g}  "
+            f"mean {c.image.mean():.4f}  x {by} {gain:.3g} (by processor time {processor_gain:.3g})"
         )
 
 

@@ -175,6 +175,50 @@ def textured_lamps() -> SceneDict:
     }
 
 
+def bright_texels() -> Any:
+    """A radiance that is black but for a few texels, which are blended with their neighbours."""
+    texels = np.zeros((32, 32, 3), np.float32)
+    for x, y, value in ((5, 9, (300, 100, 50)), (20, 21, (60, 200, 300)), (21, 20, (90, 90, 90))):
+        texels[y, x] = value
+    return {"type": "bitmap", "bitmap": mi.Bitmap(texels)}
+
+
+def strip(
+    half_length: float, half_width: float, emitter: SceneDict, height: float = 1.9
+) -> Any:
+    """A mesh of two triangles along x, that faces down."""
+    mesh = quads(np.float32([[0, 0, 0]]), 1.0, rgb(1.0), uvs=True)
+    properties = mi.Properties()
+    properties["bsdf"] = mi.load_dict(diffuse(0.5, 0.5, 0.5))
+    properties["emitter"] = mi.load_dict(emitter)
+    long = mi.Mesh("strip", 4, 2, has_vertex_texcoords=True, props=properties)
+    source, parameters = mi.traverse(mesh), mi.traverse(long)
+    corners = np.array(source["vertex_positions"]).reshape(4, 3) * (half_length, 1, half_width)
+    parameters["vertex_positions"] = (corners + (0, height, 1.0)).astype(np.float32).ravel()
+    parameters["faces"] = source["faces"]
+    parameters["vertex_texcoords"] = source["vertex_texcoords"]
+    parameters.update()
+    return long
+
+
+def cut_lamps() -> SceneDict:
+    """Strips, of which one is a rectangle, and textured panels: their triangles are cut."""
+    tube = rectangle([0, 2.3, -1], 1.0, area(4, 3, 2))
+    tube["to_world"] = transform().translate([0, 2.3, -1]).rotate([1, 0, 0], 90).scale([6, 0.08, 1])
+    return stage() | {
+        "strip": strip(5.0, 0.1, area(2, 4, 3)),
+        "tube": tube,
+        "panel": quads(np.float32([[1.2, 2.8, 0.5]]), 0.9, bright_texels(), uvs=True),
+        "screen": rectangle([-1.5, 2.6, 0], 0.8, {"type": "area", "radiance": bright_texels()}),
+    }
+
+
+def cut_lamps_over_metal() -> SceneDict:
+    """The same seen in polished metal: rays find the emitters as often as samples of lights do."""
+    metal = {"type": "roughconductor", "alpha": 0.25}
+    return cut_lamps() | stage(bsdf=metal, object_bsdf=metal)
+
+
 def turned_lamps() -> SceneDict:
     """Lamps whose material has two sides, a mesh that is wound the other way, a flipped one."""
     up = rectangle([1.5, 1.5, 1], 0.5, area(4, 4, 4), down=False)

@@ -167,14 +167,27 @@ def test_integrators_with_derivatives_are_paths_in_any_variant(tmp_path: Path) -
     assert mean(scene) == pytest.approx(0.4313, rel=0.015)
 
 
-def test_media_are_rendered_by_mitsuba_itself(tmp_path: Path) -> None:
-    path = write(tmp_path, f'<integrator type="volpath">{DEPTH_2}</integrator>', STAGE + FOG)
+@pytest.mark.parametrize("integrator", ["volpath", "lightcull_volpath"])
+def test_media_are_rendered(tmp_path: Path, integrator: str) -> None:
+    path = write(tmp_path, f'<integrator type="{integrator}">{DEPTH_2}</integrator>', STAGE + FOG)
     scene, said = loaded(path)
-    assert "media" in said and "volpath" in said
-    assert scene.best_sampler == "path"
+    assert "media" in said and "'path' is Mitsuba's volpath" in said and "\n" not in said
+    assert scene.best_sampler == "light_bvh:importance=means"
     assert mean(scene) == pytest.approx(mean_by_mitsuba(path), rel=TOLERANCE)
+    by_mitsuba = lightcull.render(scene, "path", spp=SPP).image.mean()
+    assert mean(scene) == pytest.approx(by_mitsuba, rel=TOLERANCE)
     with pytest.raises(lightcull.Error, match="not for the media"):
         lightcull.render(scene, "learned", spp=1)
+
+
+def test_a_camera_in_a_medium_is_not_taken_out_of_it(tmp_path: Path) -> None:
+    medium = '<medium type="homogeneous"><float name="sigma_t" value="0.3"/></medium></sensor>'
+    stage = STAGE.replace("</sensor>", medium)
+    scene, said = loaded(write(tmp_path, f'<integrator type="volpath">{DEPTH_2}</integrator>', stage))
+    assert "media" in said
+    assert mean(scene) < 0.9 * 0.4313, "fog takes light away"
+    scene.use_camera(View(vertical_fov=0.6))
+    assert mean(scene) < 0.9 * 0.4313
 
 
 def test_what_a_call_says_comes_before_the_file(tmp_path: Path) -> None:
@@ -263,10 +276,142 @@ def test_an_imported_scene_agrees_with_its_host(tmp_path: Path) -> None:
         assert of_object.file_settings == ours.file_settings
 
 
-def test_an_import_names_hidden_emitters(tmp_path: Path) -> None:
-    host, _ = loaded(write(tmp_path, f'<integrator type="path">{HIDDEN}</integrator>'))
-    with pytest.warns(lightcull.UnsupportedWarning, match="hide_emitters"):
-        import_scene(host)
+MIRROR = """
+<shape type="rectangle">
+  <transform name="to_world"><scale value="1.5"/><translate y="0.8" z="-2"/></transform>
+  <bsdf type="principled">
+    <rgb name="base_color" value="0.9"/><float name="metallic" value="1"/>
+    <float name="roughness" value="0.1"/>
+  </bsdf>
+</shape>
+<shape type="rectangle">
+  <transform name="to_world"><scale value="0.4"/><translate x="-0.8" y="1" z="1.5"/></transform>
+  <emitter type="area"><rgb name="radiance" value="2"/></emitter>
+</shape>
+"""
+
+
+def blocks(image: np.ndarray) -> np.ndarray:
+    """The means of squares of 8 x 8 pixels."""
+    height, width = image.shape[:2]
+    return image[..., :3].reshape(height // 8, 8, width // 8, 8, 3).mean(axis=(1, 3))
+
+
+def test_hidden_emitters_are_hidden_in_every_renderer(tmp_path: Path) -> None:
+    # Lamps before the floor and the sky, one of them seen from behind, and all in a mirror.
+    path = write(tmp_path, f'<integrator type="path">{DEPTH_3}{HIDDEN}</integrator>', STAGE + MIRROR)
+    host, _ = loaded(path)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        ours = import_scene(host)
+    assert ours.file_settings.hide_emitters is True
+    assert import_scene(host.scene).file_settings == ours.file_settings
+    expected = blocks(np.array(mi.render(mi.load_file(str(path)), spp=1024, seed=7)))
+    assert expected[0, 0].max() == 0  # the sky
+    # Some 6 standard errors of a block.
+    wanted = {"rtol": 0.06, "atol": 0.01}
+    np.testing.assert_allclose(blocks(lightcull.render(ours, spp=256).image), expected, **wanted)
+    np.testing.assert_allclose(blocks(lightcull.render(host, spp=256).image), expected, **wanted)
+    shown = blocks(lightcull.render(ours, spp=16, hide_emitters=False).image)
+    assert shown[0, 0] == pytest.approx(0.5)
+    assert np.abs(shown[1:] - expected[1:]).max() > 0.3  # the lamps
+
+
+RELIEF = """
+<bsdf type="normalmap" id="relief">
+  <texture name="normalmap" type="bitmap">
+    <string name="filename" value="relief.exr"/><boolean name="raw" value="true"/>
+  </texture>
+  {}
+</bsdf>
+<sensor type="perspective">
+  <transform name="to_world"><lookat origin="0, 3, 4" target="0, 0, 0" up="0, 1, 0"/></transform>
+  <film type="hdrfilm"><integer name="width" value="64"/><integer name="height" value="48"/></film>
+</sensor>
+<emitter type="directional">
+  <vector name="direction" x="-1" y="-1.2" z="0.4"/><rgb name="irradiance" value="2"/>
+</emitter>
+<emitter type="constant"><rgb name="radiance" value="0.2"/></emitter>
+<shape type="sphere">
+  <transform name="to_world"><scale value="0.8"/><translate y="0.9"/></transform>
+  <ref id="relief"/>
+</shape>
+<shape type="rectangle">
+  <transform name="to_world"><scale value="2.5"/><rotate x="1" angle="-90"/></transform>
+  <ref id="relief"/>
+</shape>
+"""
+
+
+@pytest.mark.parametrize(
+    "inside",
+    [
+        '<bsdf type="diffuse"><rgb name="reflectance" value="0.7"/></bsdf>',
+        '<bsdf type="twosided"><bsdf type="diffuse"/></bsdf>',
+    ],
+)
+def test_normal_maps_are_those_of_mitsuba(tmp_path: Path, inside: str) -> None:
+    # Waves that lean to all sides, by so little that hardly any turn away from the camera:
+    # those are black in Mitsuba.
+    u, v = np.meshgrid(np.linspace(0, 2 * np.pi, 32, False), np.linspace(0, 2 * np.pi, 32, False))
+    normals = np.stack([0.2 * np.sin(2 * u), 0.2 * np.cos(v), np.ones_like(u)], axis=2)
+    normals /= np.linalg.norm(normals, axis=2, keepdims=True)
+    lightcull.write_exr(tmp_path / "relief.exr", np.float32(0.5 + 0.5 * normals))
+    path = write(tmp_path, PATH_OF_2, RELIEF.format(inside))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        warnings.filterwarnings("ignore", "scene: round shapes are made of triangles$")
+        ours = import_scene(load_file(path))
+    expected = blocks(np.array(mi.render(mi.load_file(str(path)), spp=256, seed=7)))
+    found = blocks(lightcull.render(ours, spp=256).image)
+    np.testing.assert_allclose(found, expected, rtol=0.05, atol=0.01)
+    assert found.mean() == pytest.approx(expected.mean(), rel=TOLERANCE)
+    flat = path.read_text().replace('<ref id="relief"/>', inside)
+    path.write_text(flat)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        without = blocks(lightcull.render(import_scene(load_file(path)), spp=16).image)
+    assert np.abs(without - found).max() > 0.04
+
+
+GROUP = """
+<shape type="shapegroup" id="pair">
+  <shape type="cube">
+    <transform name="to_world"><scale value="0.3"/><translate y="0.3"/></transform>
+    <bsdf type="diffuse"><rgb name="reflectance" value="0.8, 0.2, 0.1"/></bsdf>
+  </shape>
+  <shape type="sphere"><point name="center" x="0" y="0.9" z="0"/><float name="radius" value="0.3"/></shape>
+</shape>
+""" + "".join(
+    f"""<shape type="instance"><ref id="pair"/><transform name="to_world">
+    <scale x="{-1 if x > 0 else 1}" y="{1 + 0.2 * x}"/><rotate y="1" angle="{40 * x}"/>
+    <translate x="{1.5 * x}" z="1"/></transform></shape>"""
+    for x in (-1, 0, 1)
+)
+
+
+def test_instances_stay_instances(tmp_path: Path) -> None:
+    path = write(tmp_path, PATH_OF_3, STAGE + GROUP)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        warnings.filterwarnings("ignore", "scene: round shapes are made of triangles$")
+        ours = import_scene(load_file(path))
+    assert ours.counts["instances"] == 6
+    expected = blocks(np.array(mi.render(mi.load_file(str(path)), spp=256, seed=7)))
+    found = blocks(lightcull.render(ours, spp=256, seed=1).image)
+    np.testing.assert_allclose(found, expected, rtol=0.05, atol=0.01)
+    assert found.mean() == pytest.approx(expected.mean(), rel=TOLERANCE)
+
+
+def test_a_textured_shape_without_texture_coordinates_is_named(tmp_path: Path) -> None:
+    lightcull.write_exr(tmp_path / "relief.exr", np.full((2, 2, 3), 0.5, np.float32))
+    (tmp_path / "triangle.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    texture = """<bsdf type="diffuse"><texture name="reflectance" type="bitmap">
+      <string name="filename" value="relief.exr"/></texture></bsdf>"""
+    shape = f'<shape type="obj"><string name="filename" value="triangle.obj"/>{texture}</shape>'
+    host = load_file(write(tmp_path, PATH_OF_2, STAGE + shape))
+    with pytest.warns(lightcull.UnsupportedWarning, match="shapes without texture coordinates"):
+        import_scene(host).closed()
 
 
 def command(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
@@ -499,4 +644,5 @@ def test_media_of_a_scene_that_is_no_file_are_not_left_out_silently(tmp_path: Pa
     path = write(tmp_path, f'<integrator type="volpath">{DEPTH_2}</integrator>', STAGE + FOG)
     mi.set_variant("scalar_rgb")
     scene = MitsubaScene(mi.load_file(str(path)))
-    assert (scene.integrator.kind, scene.best_sampler) == ("volpath", "path")
+    means = "light_bvh:importance=means"
+    assert (scene.integrator.kind, scene.best_sampler) == ("volpath", means)

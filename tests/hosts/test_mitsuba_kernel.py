@@ -20,6 +20,7 @@ import mitsuba_scenes as scenes  # noqa: E402
 
 MEANS = "light_bvh:importance=means"
 SPP = 16
+PASS = 4
 FEW_OPERATIONS = 200
 """More than the kernels have that ask emitters for their light, fewer than one that traces rays."""
 
@@ -29,18 +30,24 @@ def _llvm() -> None:
     mi.set_variant("llvm_ad_rgb")
 
 
-def render(scene: Any, kind: str = "lightcull_path", spp: int = 4, **options: Any) -> np.ndarray:
+def render(scene: Any, kind: str = "lightcull_path", spp: int = PASS, **options: Any) -> np.ndarray:
     integrator = mi.load_dict({"type": kind, "max_depth": 4, **options})
     return np.array(mi.render(scene, integrator=integrator, spp=spp))
 
 
 def large_kernels(scene: Any, **options: Any) -> list[dict[str, Any]]:
-    """Those that trace rays, of one render."""
+    """Those that trace paths, of one render: what looks at emitters has other numbers of lanes."""
     with dr.scoped_set_flag(dr.JitFlag.KernelHistory, True):
         dr.kernel_history_clear()
         render(scene, **options)
         history = dr.kernel_history([dr.KernelType.JIT])
-    return [kernel for kernel in history if kernel["operation_count"] > FEW_OPERATIONS]
+    pixels = scenes.SIZE[0] * scenes.SIZE[1]
+    sizes = [pixels * samples for samples in range(1, PASS + 1)]
+    return [
+        kernel
+        for kernel in history
+        if kernel["operation_count"] > FEW_OPERATIONS and kernel["size"] in sizes
+    ]
 
 
 @pytest.mark.parametrize(

@@ -18,6 +18,7 @@ mi = pytest.importorskip("mitsuba", reason="Mitsuba is not installed")
 import lightcull  # noqa: E402
 import lightcull.mitsuba  # noqa: E402
 import mitsuba_scenes as scenes  # noqa: E402
+from lightcull.loaders.unsupported import UnsupportedWarning  # noqa: E402
 from lightcull.rendering.settings import RenderSettings  # noqa: E402
 
 ROOT = Path(__file__).parents[2]
@@ -85,10 +86,31 @@ def test_merged_emitters_give_the_same_light(colors: int, most_shapes: int) -> N
 def test_what_cannot_be_merged_stays() -> None:
     mi.set_variant("scalar_rgb")
     scene = scenes.round_lamps() | scenes.textured_lamps()
-    merged = lightcull.mitsuba.merge_emitters(scene)
+    with pytest.warns(UnsupportedWarning) as said:
+        merged = lightcull.mitsuba.merge_emitters(scene)
+    (text,) = (str(warning.message) for warning in said)
+    for reason in ("sphere: no mesh", "disk: no mesh", "cylinder: no mesh", "no constant radiance"):
+        assert f"1 ({reason})" in text
     assert merged["globe"] is scene["globe"]
     assert merged["screen"] is scene["screen"]
     assert "cube" not in merged
+
+
+def test_nothing_is_said_where_all_is_merged(recwarn: pytest.WarningsRecorder) -> None:
+    mi.set_variant("scalar_rgb")
+    lightcull.mitsuba.merge_emitters(scenes.stage() | scenes.lamps(3))
+    assert not recwarn.list
+
+
+@pytest.mark.parametrize("variant", ["scalar_rgb", "llvm_ad_rgb"])
+def test_path_is_refused_where_radiances_are_an_attribute(variant: str) -> None:
+    mi.set_variant(variant)
+    loaded = mi.load_dict(lightcull.mitsuba.merge_emitters(bulbs(40)))
+    scene = lightcull.mitsuba.MitsubaScene(loaded)
+    with pytest.raises(lightcull.Error, match="'merged_emitters_0.*before merge_emitters"):
+        scene.check_sampler("path")
+    scene.check_sampler("learned")
+    lightcull.mitsuba.MitsubaScene(mi.load_dict(bulbs(5))).check_sampler("path")
 
 
 def test_many_spectral_radiances_stay_exact() -> None:
@@ -212,7 +234,6 @@ def test_command_compare(folder: Path) -> None:
     [
         (("render", "missing.xml"), "no such file"),
         (("render", "scene.xml", "--variant", "scalar_foo"), "no variant 'scalar_foo'"),
-        (("render", "scene.xml", "--sampler", "paper"), "wanted test=light"),
         (("compare", "--host", "mitsuba", "cornell"), "for an .xml scene"),
         (("render", "cornell", "--sampler", "path"), "sampler 'path'"),
     ],

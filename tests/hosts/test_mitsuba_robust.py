@@ -134,7 +134,7 @@ def _messages(error: BaseException | None) -> str:
     [
         ({"light_sampler": "best"}, "there are uniform, power, light_bvh"),
         ({"light_sampler": "culled:sets=5"}, "power of 4"),
-        ({"light_sampler": "paper"}, "wanted test=light"),
+        ({"light_sampler": "paper:test=none"}, "wanted vertex or light"),
         ({"error_bound": "much"}, 'wanted a number or "auto"'),
         ({"error_bound": -1.0}, "above 0"),
         ({"sets": 5}, "power of 4"),

@@ -167,6 +167,8 @@ def test_options_are_resolved_once(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     assert (render.size, render.max_depth, render.exposure) == ((320, 240), 2, 0.0)
     with pytest.raises(FrozenInstanceError):
         render.spp = 4  # type: ignore[misc]
+    assert render.hide_emitters is False
+    assert resolved("render", "cornell", "--hide-emitters").hide_emitters is True
     bounced = resolved("render", "cornell", "--method", "vpl_culled", "--spp", "4")
     assert (bounced.seconds, bounced.spp, bounced.max_depth) == (None, 4, 3)
     compare = resolved("compare", "cornell", "--size", "8x6")

@@ -303,7 +303,7 @@ def test_gltf_names_everything_that_is_not_supported(tmp_path: Path) -> None:
         "materials",
         {
             "extensions": {"KHR_materials_transmission": {"transmissionFactor": 1}},
-            "normalTexture": {"index": 0},
+            "occlusionTexture": {"index": 0},
         },
     )
     quad = file.quad(glass)
@@ -317,7 +317,7 @@ def test_gltf_names_everything_that_is_not_supported(tmp_path: Path) -> None:
     file.node(extensions=file.light(type="point", range=5))
     message = warning_of(file.write(tmp_path / "a.glb"))
     for thing in (
-        "KHR_materials_transmission (1)", "normal maps (1)",
+        "KHR_materials_transmission (1)", "occlusion maps (1)",
         "primitives that are not triangles (1)", "textures that are not repeated (1)",
         "animations (1)", "ranges of lights (1)",
     ):  # fmt: skip

@@ -206,3 +206,30 @@ def test_how_paths_end_and_direct_light_is_sampled_can_be_said(room: lightcull.S
         render(rr_depth=0)
     with pytest.raises(lightcull.Error, match="are for paths"):
         render(rr_depth=2, method="vpl_culled")
+
+
+def test_hidden_emitters_are_seen_by_nobody_but_light(tmp_path: Path) -> None:
+    def stage() -> lightcull.Scene:
+        scene = lightcull.Scene()
+        scene.add_mesh(square(1, 0, facing_up=True), QUAD)
+        scene.add_light_mesh(square(0.4, 2, facing_up=False), QUAD, radiance=(4, 4, 4))
+        scene.set_environment((0.25, 0.25, 0.25))
+        scene.set_camera((0, 30, 0), (0, 0, 0), up=(0, 0, 1), vertical_fov=0.1)
+        return scene
+
+    shown, hidden = (
+        lightcull.render(stage(), "uniform", spp=64, size=(18, 18), hide_emitters=hide).image[..., 0]
+        for hide in (None, True)
+    )
+    assert shown[0, 0] == 0.25 and hidden[0, 0] == 0
+    # The lamp is seen from its dark back, before a floor that it lights.
+    assert shown[9, 9] == 0 and hidden[9, 9] > 0.15
+    beside = np.s_[7:11, 4:6]
+    np.testing.assert_array_equal(shown[beside], hidden[beside])
+    bounced = lightcull.render(
+        stage(), spp=8, size=(18, 18), max_depth=3, method="vpl_culled", hide_emitters=True
+    ).image[..., 0]
+    assert bounced[0, 0] == 0 and bounced[9, 9] > 0.15
+    lightcull.render(stage(), spp=1, size=(8, 8), checkpoint=tmp_path / "a", hide_emitters=True)
+    with pytest.raises(lightcull.Error, match="is of hide_emitters True, not False"):
+        lightcull.render(stage(), spp=2, size=(8, 8), resume=tmp_path / "a")

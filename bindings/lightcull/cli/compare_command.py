@@ -29,6 +29,7 @@ def run(options: CompareOptions, messages: Console) -> bool:
             threads=options.threads,
             rr_depth=options.rr_depth,
             direct_light=options.direct_light,
+            hide_emitters=options.hide_emitters,
             reference_seconds=options.reference_seconds,
             repeats=options.repeats,
             mask=options.mask,

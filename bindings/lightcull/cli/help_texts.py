@@ -10,7 +10,7 @@ OVERVIEW = f"""\
 Renders scenes lit by up to millions of lights, and compares the ways to choose among them.
 
 SCENE is a file (.glb, .gltf, .obj, .ply), an .xml of Mitsuba's, which Mitsuba then renders with the
-integrator lightcull_path, or the name of an example:
+integrator lightcull_path (media with lightcull_volpath), or the name of an example:
 {_SCENES}
 
 SAMPLER is the way to choose a light for a point:

@@ -90,7 +90,8 @@ def _facts(scene: Scene) -> Iterator[tuple[str, str]]:
     rarer = {kind: counts[kind] for kind in ("directional lights", "virtual lights")}
     triangles = emitters - counts["points"] - counts["spots"] - sum(rarer.values())
     yield "scene", scene.name
-    yield "triangles", f"{scene.triangle_count:,} in {counts['meshes']:,} meshes"
+    instances = f", {counts['instances']:,} instances" if counts["instances"] else ""
+    yield "triangles", f"{scene.triangle_count:,} in {counts['meshes']:,} meshes" + instances
     yield "materials", f"{counts['materials']:,}, textures {counts['textures']:,}"
     yield (
         "lights",

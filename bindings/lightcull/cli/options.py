@@ -21,7 +21,7 @@ from ..output_files import check_output, check_writable
 from ..rendering.budget import Budget
 from ..rendering.frame_series import FrameSeries, numbered, read_camera_path
 from ..rendering.method import PATH
-from ..rendering.settings import MAX_DEPTH, RR_DEPTH, SIZE, RenderSettings, settings_of
+from ..rendering.settings import MAX_DEPTH, RR_DEPTH, SIZE, RenderSettings, Wanted, settings_of
 from ..scene import Scene
 from .bench_scenes import SceneMaker, scene_makers
 from .scene_option import BOUNCED_DEPTH, AnyScene, named_source, open_any
@@ -43,6 +43,7 @@ class RenderOptions:
     threads: int
     rr_depth: int
     direct_light: str
+    hide_emitters: bool
     output: Path
     view: str | None
     """The view of a .png; None: the first."""
@@ -81,6 +82,7 @@ class CompareOptions:
     threads: int
     rr_depth: int
     direct_light: str
+    hide_emitters: bool
     reference_seconds: float | None
     repeats: int
     mask: np.ndarray | None
@@ -169,7 +171,9 @@ def _render(parsed: argparse.Namespace, command: str) -> RenderOptions | FramesO
     if parsed.every is not None and parsed.checkpoint is None and parsed.resume is None:
         raise Error("--every: only with --checkpoint or --resume")
     scene = open_any(parsed)
-    size, max_depth, rr_depth = _settings(scene, parsed, _default_depth(parsed.method))
+    size, max_depth, rr_depth, hide_emitters = _settings(
+        scene, parsed, _default_depth(parsed.method)
+    )
     return RenderOptions(
         scene=scene,
         sampler=parsed.sampler,
@@ -182,6 +186,7 @@ def _render(parsed: argparse.Namespace, command: str) -> RenderOptions | FramesO
         threads=parsed.threads,
         rr_depth=rr_depth,
         direct_light=parsed.direct_light or "mis",
+        hide_emitters=hide_emitters,
         output=output,
         view=parsed.view,
         exposure=parsed.exposure or 0.0,
@@ -218,6 +223,7 @@ def _frames(parsed: argparse.Namespace) -> FramesOptions:
         settings=RenderSettings(
             parsed.size or SIZE, parsed.max_depth or MAX_DEPTH, parsed.seed, parsed.threads,
             parsed.rr_depth or RR_DEPTH, parsed.direct_light or "mis",
+            hide_emitters=bool(parsed.hide_emitters),
         ),
         budget=Budget(parsed.spp, _seconds(parsed)),
     )  # fmt: skip
@@ -242,7 +248,7 @@ def _compare(parsed: argparse.Namespace, command: str) -> CompareOptions | Compa
         raise Error("--most-lights: only with --methods")
     folder = _report_folder(parsed)
     scene = open_any(parsed)
-    size, max_depth, rr_depth = _settings(scene, parsed, MAX_DEPTH)
+    size, max_depth, rr_depth, hide_emitters = _settings(scene, parsed, MAX_DEPTH)
     return CompareOptions(
         scene=scene,
         samplers=parsed.samplers and tuple(parsed.samplers),
@@ -254,6 +260,7 @@ def _compare(parsed: argparse.Namespace, command: str) -> CompareOptions | Compa
         threads=parsed.threads,
         rr_depth=rr_depth,
         direct_light=parsed.direct_light or "mis",
+        hide_emitters=hide_emitters,
         reference_seconds=parsed.reference_seconds,
         repeats=parsed.repeats or 1,
         mask=_mask(parsed.mask, size),
@@ -287,7 +294,7 @@ def _compare_methods(parsed: argparse.Namespace, command: str) -> CompareMethods
         if getattr(parsed, name) is not None:
             raise Error(f"--{name.replace('_', '-')}: not with --methods")
     scene = open_any(parsed)
-    size, max_depth, _ = _settings(scene, parsed, BOUNCED_DEPTH)
+    size, max_depth, *_ = _settings(scene, parsed, BOUNCED_DEPTH)
     if not isinstance(scene, Scene):
         raise Error("--methods: not for a scene of another renderer")
     return CompareMethodsOptions(
@@ -304,8 +311,8 @@ def _compare_methods(parsed: argparse.Namespace, command: str) -> CompareMethods
     )
 
 
-_OF_SAMPLERS = ("samplers", "reference_seconds", "rr_depth", "direct_light", "repeats", "mask",
-                "metrics", "slices", "cluster", "chunk")  # fmt: skip
+_OF_SAMPLERS = ("samplers", "reference_seconds", "rr_depth", "direct_light", "hide_emitters",
+                "repeats", "mask", "metrics", "slices", "cluster", "chunk")  # fmt: skip
 """Options of a comparison of samplers alone."""
 
 
@@ -317,8 +324,8 @@ def _report_folder(parsed: argparse.Namespace) -> Path:
 
 def _info(parsed: argparse.Namespace, command: str) -> InfoOptions:
     scene = open_any(parsed)
-    size, depth, rr_depth = settings_of(
-        scene, parsed.size, parsed.max_depth, None, _default_depth(parsed.method)
+    size, depth, rr_depth, _ = settings_of(
+        scene, parsed.size, parsed.max_depth, None, None, _default_depth(parsed.method)
     )
     if not isinstance(scene, Scene) and (parsed.sampler or parsed.method != PATH):
         raise Error(f"{parsed.scene}: --sampler and --method are not for an .xml scene of Mitsuba's")
@@ -356,8 +363,10 @@ def _seconds(parsed: argparse.Namespace) -> float | None:
 
 def _settings(
     scene: AnyScene, parsed: argparse.Namespace, default_depth: int
-) -> tuple[tuple[int, int], int, int]:
-    return settings_of(scene, parsed.size, parsed.max_depth, parsed.rr_depth, default_depth)
+) -> Wanted:
+    return settings_of(
+        scene, parsed.size, parsed.max_depth, parsed.rr_depth, parsed.hide_emitters, default_depth
+    )
 
 
 def _default_depth(method: str) -> int:

@@ -305,5 +305,10 @@ def _add_shared(
         "--direct-light", choices=DIRECT_LIGHT,
         help="sample lights and the BSDF (mis), or one of them alone; default: mis",
     )  # fmt: skip
+    parser.add_argument(
+        "--hide-emitters", action=argparse.BooleanOptionalAction,
+        help="the camera sees neither surfaces that emit, but what is behind them, nor the "
+        "environment; default: no; of an .xml: its own",
+    )  # fmt: skip
     parser.add_argument("-o", "--output", metavar="PATH", help=f"{output_help}; default: {output}")
     parser.set_defaults(default_seconds=float(seconds))

@@ -32,6 +32,7 @@ def run(options: RenderOptions, messages: Console) -> bool:
             threads=options.threads,
             rr_depth=options.rr_depth,
             direct_light=options.direct_light,
+            hide_emitters=options.hide_emitters,
             progress=bars,
             checkpoint=options.checkpoint,
             every=options.every,

@@ -65,6 +65,7 @@ def compare(
     threads: int = 0,
     rr_depth: int | None = None,
     direct_light: str = "mis",
+    hide_emitters: bool | None = None,
     reference_seconds: float | None = None,
     mask: np.ndarray | None = None,
     metrics: Sequence[str | Metric] = (),
@@ -83,8 +84,8 @@ def compare(
     light_bvh, culled and learned; or by the names under which they are shown descriptions, and
     samplers of one's own: what makes an `OwnSampler` of the scene, as a class does, or a
     `SamplerLibrary`. "cycles", "cycles:light_tree=off" and "pbrt" are other renderers (see below).
-    scene: a `Subject` for a whole renderer of one's own. size, max_depth, rr_depth, direct_light: as
-    in `render`. threads: 0 for all.
+    scene: a `Subject` for a whole renderer of one's own. size, max_depth, rr_depth, direct_light,
+    hide_emitters: as in `render`. threads: 0 for all.
 
     repeats: runs of each sampler, with the seeds seed, seed + 1 and so on, each for `seconds`; all
     runs of all samplers take turns side by side, and are in memory at once. From two on there are
@@ -135,10 +136,13 @@ def compare(
     check_names(tuple(choices))
     if folder is not None:
         check_writable(folder)
-    size, max_depth, rr_depth = settings_of(scene, size, max_depth, rr_depth)
-    settings = RenderSettings(
-        size, max_depth, seed, threads, rr_depth, direct_light, emission_apart=True
+    size, max_depth, rr_depth, hide_emitters = settings_of(
+        scene, size, max_depth, rr_depth, hide_emitters
     )
+    settings = RenderSettings(
+        size, max_depth, seed, threads, rr_depth, direct_light,
+        emission_apart=True, hide_emitters=hide_emitters,
+    )  # fmt: skip
     checks.whole_number("repeats", repeats, 1)
     checks.whole_number("slices", slices)
     _check_mask(mask, settings)

@@ -56,6 +56,7 @@ class ReferenceOrder:
         settings = self.settings
         of_settings = (
             settings.size, settings.max_depth, settings.rr_depth, settings.direct_light,
+            settings.hide_emitters,
         )  # fmt: skip
         parts = (self.scene.digest(), self.sampler, of_settings, _SEEDS, _FORMAT, machine.build_id())
         if self.chunk is not None:

@@ -4,6 +4,7 @@ and extensions to its user; trimesh and Assimp leave out instancing, cameras and
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Literal, TypeAlias
@@ -18,7 +19,7 @@ from .gltf_document import Json, note_unsupported, read_document
 from .gltf_materials import Materials
 from .gltf_meshes import read_primitive
 from .gltf_nodes import instances_of, placed_nodes
-from .model import Surface, Triangles, add_triangles
+from .model import PlacedMeshes, Surface, Triangles
 from .unsupported import Notes
 
 LightUnit: TypeAlias = Literal["candela", "watts"]
@@ -42,12 +43,17 @@ def fill_from_gltf(path: Path, scene: Scene, notes: Notes, unit: LightUnit | Non
 def _fill(
     document: Json, data: GltfData, scene: Scene, notes: Notes, unit: LightUnit | None
 ) -> None:
-    meshes = _Meshes(document, data, Materials(document, data, scene, notes), notes)
     nodes = placed_nodes(document)
-    for _, node, transform in nodes:
-        if "mesh" in node:
-            for instance in instances_of(node, data):
-                meshes.add(node["mesh"], transform @ instance, scene)
+    places = [
+        (node["mesh"], transform @ instance)
+        for _, node, transform in nodes
+        if "mesh" in node
+        for instance in instances_of(node, data)
+    ]
+    placed = PlacedMeshes(scene, notes, Counter(index for index, _ in places))
+    meshes = _Meshes(document, data, Materials(document, data, scene, notes), notes, placed)
+    for index, transform in places:
+        meshes.add(index, transform)
     factor = 1.0 / LUMENS_PER_WATT if unit == "candela" else 1.0
     punctual = False
     for _, node, transform in nodes:
@@ -70,22 +76,28 @@ class _Meshes:
     """The meshes of a document, each read once."""
 
     def __init__(
-        self, document: Json, data: GltfData, materials: Materials, notes: Notes
+        self,
+        document: Json,
+        data: GltfData,
+        materials: Materials,
+        notes: Notes,
+        placed: PlacedMeshes,
     ) -> None:
         self._meshes: list[Json] = document.get("meshes", [])
         self._data = data
         self._notes = notes
         self._read: dict[int, list[tuple[Triangles, Surface]]] = {}
+        self._placed = placed
         self.materials = materials
 
-    def add(self, index: int, transform: np.ndarray, scene: Scene) -> None:
+    def add(self, index: int, transform: np.ndarray) -> None:
         """Adds a mesh to the scene where a node has it."""
         mesh = self._meshes[index]
         name = str(mesh.get("name", index))
         if index not in self._read:
             self._read[index] = list(self._primitives(name, mesh))
-        for triangles, surface in self._read[index]:
-            add_triangles(scene, name, triangles, surface, self._notes, transform)
+        for number, (triangles, surface) in enumerate(self._read[index]):
+            self._placed.add(index, number, name, triangles, surface, transform)
 
     def _primitives(self, name: str, mesh: Json) -> Iterator[tuple[Triangles, Surface]]:
         for given in mesh["primitives"]:

@@ -83,7 +83,6 @@ def note_unsupported(document: Json, notes: Notes) -> None:
         for primitive in mesh.get("primitives", []):
             notes.left_out("morph targets", int("targets" in primitive))
     for material in document.get("materials", []):
-        notes.left_out("normal maps", int("normalTexture" in material))
         notes.left_out("occlusion maps", int("occlusionTexture" in material))
     notes.left_out("animations", len(document.get("animations", [])))
     notes.left_out("skins", len(document.get("skins", [])))

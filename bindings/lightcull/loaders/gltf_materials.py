@@ -78,7 +78,8 @@ class Materials:
         factor = float(strength.get("emissiveStrength", 1.0))
         r, g, b = (factor * float(f) for f in given.get("emissiveFactor", (0.0, 0.0, 0.0)))
         emissive = given.get("emissiveTexture") if max(r, g, b) > 0 else None
-        slots = [emissive, look.base_color_texture, look.metallic_roughness_texture]
+        relief = None if look.kind == "diffuse" else given.get("normalTexture")
+        slots = [emissive, look.base_color_texture, look.metallic_roughness_texture, relief]
         mapping = self._mapping_of([slot for slot in slots if slot], uv_sets)
 
         usable = [slot if slot and self._fits(slot, mapping) else None for slot in slots]
@@ -97,6 +98,8 @@ class Materials:
             opacity=opacity,
             opacity_texture=self._alpha(usable[1]) if mode != "OPAQUE" else None,
             opacity_threshold=float(given.get("alphaCutoff", 0.5)) if mode == "MASK" else 0.0,
+            normal_texture=self._color(usable[3], linear_data=True),
+            normal_scale=float((relief or {}).get("scale", 1.0)),
         )
         self.emit |= max(r, g, b) > 0
         two_sided = bool(given.get("doubleSided", False))

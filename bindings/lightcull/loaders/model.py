@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import hashlib
+from collections import Counter
+from collections.abc import Hashable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -31,6 +35,15 @@ class Triangles:
     uvs: np.ndarray | None = None
     colors: np.ndarray | None = None
 
+    def digest(self) -> bytes:
+        """Tells its arrays from others."""
+        arrays = (self.positions, self.indices, self.normals, self.uvs, self.colors)
+        told = hashlib.blake2b(digest_size=16)
+        for array in arrays:
+            told.update(b"none" if array is None else repr((array.dtype, array.shape)).encode())
+            told.update(b"" if array is None else np.ascontiguousarray(array).data)
+        return told.digest()
+
     def check(self, name: str) -> None:
         """Throws Error for an array that is not of the right shape."""
         count = len(self.positions)
@@ -55,15 +68,7 @@ def add_triangles(
         return
     if transform is not None:
         mesh = transformed(mesh, transform)
-    shape = {
-        "positions": mesh.positions,
-        "indices": mesh.indices,
-        "normals": mesh.normals,
-        "uvs": mesh.uvs,
-        "colors": None if mesh.colors is None else np.clip(mesh.colors, 0.0, 1.0),
-        "material": surface.material,
-        "name": name,
-    }
+    shape = _arguments(name, mesh, surface)
     if any(surface.radiance):
         notes.has_light = True
         scene.add_light_mesh(
@@ -74,6 +79,61 @@ def add_triangles(
         )
     else:
         scene.add_mesh(**shape)
+
+
+def _arguments(name: str, mesh: Triangles, surface: Surface) -> dict[str, Any]:
+    """What `Scene.add_mesh` is given."""
+    return {
+        "positions": mesh.positions,
+        "indices": mesh.indices,
+        "normals": mesh.normals,
+        "uvs": mesh.uvs,
+        "colors": None if mesh.colors is None else np.clip(mesh.colors, 0.0, 1.0),
+        "material": surface.material,
+        "name": name,
+    }
+
+
+class PlacedMeshes:
+    """Adds meshes that may stand in several places: those are kept once, unless they emit or are so
+    small that a copy is less than an instance.
+    """
+
+    _SMALL = 64
+    """Triangles."""
+
+    def __init__(self, scene: Scene, notes: Notes, uses: Counter[Hashable]) -> None:
+        """uses: how many places each mesh has, by what tells it from others."""
+        self._scene = scene
+        self._notes = notes
+        self._uses = uses
+        self._shared: dict[tuple[Hashable, Hashable], int] = {}
+
+    def is_repeated(self, key: Hashable) -> bool:
+        """Whether a mesh has more places than one."""
+        return self._uses[key] > 1
+
+    def add(
+        self,
+        key: Hashable,
+        part: Hashable,
+        name: str,
+        mesh: Triangles,
+        surface: Surface,
+        transform: np.ndarray,
+    ) -> None:
+        """Adds a part of a mesh in one of its places, by a 4 x 4 matrix that is applied to columns. part:
+        what tells it from others of the mesh.
+        """
+        is_flat = abs(np.linalg.det(transform[:3, :3])) < 1e-30
+        is_small = len(mesh.indices) < self._SMALL
+        if not self.is_repeated(key) or is_small or is_flat or any(surface.radiance):
+            add_triangles(self._scene, name, mesh, surface, self._notes, transform)
+            return
+        if (key, part) not in self._shared:
+            shared = self._scene.add_shared_mesh(**_arguments(name, mesh, surface))
+            self._shared[key, part] = shared
+        self._scene.add_instance(self._shared[key, part], transform)
 
 
 def transformed(mesh: Triangles, transform: np.ndarray) -> Triangles:

@@ -23,7 +23,8 @@ _LIBRARY = re.compile(rb"^[ \t]*mtllib[ \t]+([^\r\n]*)", re.MULTILINE)
 _USE = re.compile(rb"^([ \t]*usemtl)(?:[ \t]+([^\r\n]*)|[ \t]*)\r?$", re.MULTILINE)
 _SILENT_NUMBERS = {"ka", "kd", "ke", "ns", "ni", "illum", "d", "tr", "ks", "tf", "sharpness", "km"}
 """Numbers that are read or looked at, or change nothing without specular reflection."""
-_READ_MAPS = {"map_kd", "map_ke", "map_d"}
+_MAPS = ("map_ke", "map_kd", "map_d", "norm")
+"""The first of them that a material has says what texture coordinates all take."""
 _SILENT_MAPS = {"map_ka", "map_ns", "map_aat"}
 
 
@@ -117,7 +118,7 @@ class _Surfaces:
             grey = 1.0 if has_colors else 0.5
             return Surface(self._scene.add_material(base_color=(grey, grey, grey))), None
         _note_mtl(material, self._notes)
-        maps = {key: material.maps[key] for key in ("map_ke", "map_kd", "map_d") if key in material.maps}
+        maps = {key: material.maps[key] for key in _MAPS if key in material.maps}
         if maps and not has_uvs:
             self._notes.left_out("textures on meshes without texture coordinates", len(maps))
             maps = {}
@@ -140,6 +141,7 @@ class _Surfaces:
             mask = self._images.alpha(name)
             if mask is None:
                 mask = self._images.color(name, linear_data=True)
+        relief = self._images.color(maps["norm"].name, linear_data=True) if "norm" in maps else None
         grey = 0.5 if texture is None and not has_colors else 1.0
         r, g, b = (min(max(c, 0.0), 1.0) for c in material.color("kd", grey))
         opacity = material.number("d", 1.0 - material.number("tr", 0.0))
@@ -149,6 +151,7 @@ class _Surfaces:
                 base_color_texture=texture,
                 opacity=min(max(opacity, 0.0), 1.0),
                 opacity_texture=mask,
+                normal_texture=relief,
             ),
             material.color("ke", 0.0 if emission is None else 1.0),
             emission,
@@ -158,7 +161,7 @@ class _Surfaces:
 def _note_mtl(material: MtlMaterial, notes: Notes) -> None:
     for statement in sorted(set(material.numbers) - _SILENT_NUMBERS):
         notes.left_out(f"{statement[:20]} of materials")
-    for statement in sorted(set(material.maps) - _READ_MAPS - _SILENT_MAPS):
+    for statement in sorted(set(material.maps) - set(_MAPS) - _SILENT_MAPS):
         notes.left_out(f"{statement[:20]} of materials")
     for statement in material.others:
         notes.left_out(f"MTL statement {statement[:20]!r}")

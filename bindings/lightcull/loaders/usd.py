@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,6 +13,7 @@ import numpy as np
 from .._core import Error
 from ..camera import Camera, triple
 from ..scene import Scene
+from .model import PlacedMeshes
 from .unsupported import Notes
 
 _GPRIMS = ("Sphere", "Cube", "Cylinder", "Cone", "Capsule", "Plane", "NurbsPatch", "BasisCurves", "Points")
@@ -57,7 +59,7 @@ class _Filling:
 
         from .usd_lights import UsdLights
         from .usd_materials import UsdMaterials
-        from .usd_meshes import UsdMeshes
+        from .usd_meshes import UsdMeshes, source_of
 
         self._stage = stage
         self._scene = scene
@@ -69,11 +71,15 @@ class _Filling:
         self._to_scene = _to_y_up(z_is_up, self._unit)
         materials = UsdMaterials(scene, notes, self._time)
         self._lights = UsdLights(scene, notes, self._time, self._unit, z_is_up=z_is_up)
-        self._meshes = UsdMeshes(scene, notes, self._time, materials, self._lights)
+        self._places = list(self._walk(stage.GetPseudoRoot(), self._to_scene, np.eye(4)))
+        prims = [placed.prim for placed in self._places]
+        uses = Counter(source_of(prim) for prim in prims if prim.IsA(UsdGeom.Mesh))
+        meshes = PlacedMeshes(scene, notes, uses)
+        self._meshes = UsdMeshes(meshes, notes, self._time, materials, self._lights)
 
     def fill(self) -> None:
         """Adds all that is seen."""
-        for placed in self._walk(self._stage.GetPseudoRoot(), self._to_scene, np.eye(4)):
+        for placed in self._places:
             self._add(placed)
 
     def _walk(self, root: Any, to_scene: np.ndarray, from_root: np.ndarray) -> Iterator[_Placed]:

@@ -15,7 +15,7 @@ from .unsupported import Notes
 
 _NUMBERS = {"metallic": 0.0, "roughness": 0.5, "opacity": 1.0, "opacityThreshold": 0.0}
 _COLORS = {"diffuseColor": (0.18, 0.18, 0.18), "emissiveColor": (0.0, 0.0, 0.0)}
-_LEFT_OUT = ("normal", "displacement", "occlusion", "clearcoat")
+_LEFT_OUT = ("displacement", "occlusion", "clearcoat")
 
 
 @dataclass(frozen=True)
@@ -40,11 +40,13 @@ class Look:
 
     values: dict[str, Any]
     images: dict[str, _Image] = field(default_factory=dict)
+    normal_scale: float = 1.0
+    """Of the image of normals, as `Scene.add_material` has it."""
 
     @property
     def first(self) -> _Image | None:
         """The image whose texture coordinates a mesh gets."""
-        order = ("emissiveColor", "diffuseColor", "opacity", "roughness", "metallic")
+        order = ("emissiveColor", "diffuseColor", "opacity", "roughness", "metallic", "normal")
         return next((self.images[name] for name in order if name in self.images), None)
 
     @property
@@ -99,12 +101,34 @@ class UsdMaterials:
             look.values[name] = default if value is None else value
             if image is not None:
                 look.images[name] = image
+        self._read_normals(shader, look)
         for name in _LEFT_OUT:
             given = shader.GetInput(name)
             self._notes.left_out(f"{name} of materials", int(bool(given and given.HasConnectedSource())))
         workflow = shader.GetInput("useSpecularWorkflow")
         self._notes.left_out("specular workflow of materials", int(bool(workflow and workflow.Get())))
         return look
+
+    def _read_normals(self, shader: Any, look: Look) -> None:
+        """Adds the image of normals, whose scale and bias take texels to -1 to 1."""
+        given = shader.GetInput("normal")
+        if not given or not given.HasConnectedSource():
+            return
+        node = UsdShade.Shader(given.GetConnectedSource()[0].GetPrim())
+        if node.GetIdAttr().Get() != "UsdUVTexture":
+            self._notes.left_out("normals of materials that are no texture")
+            return
+        given_scale, given_bias = self._value(node, "scale"), self._value(node, "bias")
+        scale = np.array((1.0,) * 3 if given_scale is None else given_scale, float)[:3]
+        bias = np.array((0.0,) * 3 if given_bias is None else given_bias, float)[:3]
+        strength = scale[0] / 2.0
+        wanted = (strength, strength, 1.0)
+        if not (np.allclose(scale, np.multiply(2.0, wanted)) and np.allclose(bias, np.negative(wanted))):
+            self._notes.left_out("normal maps without a scale of 2 and a bias of -1")
+            return
+        image = self._texture(node, "rgb")[1]
+        if image is not None:
+            look.images["normal"], look.normal_scale = image, float(strength)
 
     def _input(self, given: Any) -> tuple[Any, _Image | None]:
         """An input's value, or the image that gives it."""
@@ -113,6 +137,8 @@ class UsdMaterials:
                 return attribute.Get(self._time), None
             shader = UsdShade.Shader(attribute.GetPrim())
             if shader.GetIdAttr().Get() == "UsdUVTexture":
+                bias = self._value(shader, "bias")
+                self._notes.left_out("bias of textures", int(bias is not None and any(bias)))
                 return self._texture(shader, UsdShade.Output(attribute).GetBaseName())
             self._notes.left_out(f"shader nodes {str(shader.GetIdAttr().Get())[:40]!r}")
         return None, None
@@ -135,8 +161,6 @@ class UsdMaterials:
         if node:
             name = str(self._value(node, "varname") or "st")
         factor = self._value(shader, "scale")
-        bias = self._value(shader, "bias")
-        self._notes.left_out("bias of textures", int(bias is not None and any(bias)))
         path = file.resolvedPath or file.path
         image = _Image(path, channel, name, scale, rotation, offset)
         return (1.0 if factor is None else factor), image
@@ -178,6 +202,8 @@ class UsdMaterials:
             opacity=_unit(look.values["opacity"]),
             opacity_texture=self._opacity(kept.get("opacity")),
             opacity_threshold=_unit(look.values["opacityThreshold"]),
+            normal_texture=self._numbers(kept.get("normal")),
+            normal_scale=look.normal_scale,
         )
         return Surface(material, radiance, emission)
 
@@ -191,6 +217,11 @@ class UsdMaterials:
             return None
         if image.channel == "a":
             return self._textures.alpha(image.path, lambda: self._bytes(image.path))
+        return self._numbers(image)
+
+    def _numbers(self, image: _Image | None) -> int | None:
+        if image is None:
+            return None
         return self._textures.color(image.path, lambda: self._bytes(image.path), linear_data=True)
 
     def _bytes(self, path: str) -> bytes | None:

@@ -8,20 +8,30 @@ import numpy as np
 from pxr import UsdGeom, UsdLux, UsdShade
 
 from .._core import Error
-from ..scene import Scene
-from .model import Surface, Triangles, add_triangles, fan_triangles
+from .model import PlacedMeshes, Surface, Triangles, fan_triangles
 from .unsupported import Notes
 from .usd_lights import UsdLights
 from .usd_materials import Look, UsdMaterials
+
+
+def source_of(prim: Any) -> str:
+    """What instances of a mesh have in common."""
+    source = prim.GetPrimInPrototype() if prim.IsInstanceProxy() else prim
+    return str(source.GetPath())
 
 
 class UsdMeshes:
     """Adds meshes, in the parts that have materials of their own."""
 
     def __init__(
-        self, scene: Scene, notes: Notes, time: Any, materials: UsdMaterials, lights: UsdLights
+        self,
+        placed: PlacedMeshes,
+        notes: Notes,
+        time: Any,
+        materials: UsdMaterials,
+        lights: UsdLights,
     ) -> None:
-        self._scene = scene
+        self._placed = placed
         self._notes = notes
         self._time = time
         self._materials = materials
@@ -70,7 +80,10 @@ class UsdMeshes:
         if prim.HasAPI(UsdLux.MeshLightAPI):
             radiance = self._lights.radiance(prim, shape.area(matrix))
         surface = Surface(surface.material, radiance, surface.emission_texture, two_sided)
-        add_triangles(self._scene, str(prim.GetPath()), mesh, surface, self._notes, matrix)
+        # Instances may have inherited other colours and materials.
+        key = source_of(prim)
+        part = (mesh.digest(), surface.material) if self._placed.is_repeated(key) else None
+        self._placed.add(key, part, str(prim.GetPath()), mesh, surface, matrix)
 
 
 class _Shape:

@@ -1,6 +1,7 @@
-"""Mitsuba 3 with lightcull: the integrator `lightcull_path`, and what goes with it.
+"""Mitsuba 3 with lightcull: the integrators `lightcull_path` and `lightcull_volpath`, and what goes
+with them.
 
-Importing this makes the plugin known to Mitsuba, in whichever variants are set before or after:
+Importing this makes the plugins known to Mitsuba, in whichever variants are set before or after:
 
 >>> import lightcull.mitsuba
 >>> import mitsuba as mi
@@ -17,6 +18,10 @@ derivatives by emission, materials and textures. For these, and within another i
 its light sampler from one render to the next, for as long as the lights are the same and the camera
 sees the same; what it has learned, only with keep_learned, since images then depend on those before.
 Any thread may render; in LLVM variants, renders that are called at once take turns.
+
+`lightcull_volpath` is to `volpath` what `lightcull_path` is to `path`, in the same variants. It takes
+the parameters of `volpath` alone: light_bvh:importance=means chooses lights. It has no derivatives.
+
 `import_scene` takes a Mitsuba scene to lightcull's own renderer.
 
 Importing this raises lightcull.Error if Mitsuba is missing or of another version.

@@ -40,7 +40,9 @@ def camera_of(sensor: Any) -> Camera | None:
 
 
 def sensor_of(camera: Camera, like: Any) -> Any:
-    """A sensor of Mitsuba's for a camera of ours, with the film of another; None: a new film."""
+    """A sensor of Mitsuba's for a camera of ours, with the film of another, in the same medium; None:
+    a new film.
+    """
     mi = mitsuba()
     width, height = _SIZE
     film: Any = {"type": "hdrfilm", "width": width, "height": height, "pixel_format": "rgb"}
@@ -63,6 +65,8 @@ def sensor_of(camera: Camera, like: Any) -> Any:
             "aperture_radius": camera.aperture_radius,
             "focus_distance": camera.focus_distance,
         }
+    if like is not None and like.get_medium() is not None:
+        sensor["medium"] = like.get_medium()
     return mi.load_dict(sensor | {"to_world": transform})
 
 

@@ -15,10 +15,15 @@ from .host import mitsuba
 DIRECT_DEPTH = 2
 PATH = "path"
 
-_PATHS = ("path", "prb", "prb_basic", "prb_projective")
-"""They differ in derivatives alone."""
+_PATHS = ("path", "prb", "prb_basic", "prb_projective", "lightcull_path")
+"""They differ in derivatives and in the choice of lights alone."""
 _DIRECT = ("direct", "direct_projective")
-_VOLUMES = {"volpath": "volpath", "volpathmis": "volpathmis", "prbvolpath": "volpath"}
+_VOLUMES = {
+    "volpath": "volpath",
+    "volpathmis": "volpathmis",
+    "prbvolpath": "volpath",
+    "lightcull_volpath": "volpath",
+}
 _AROUND = {"aov": "channels of", "moment": "second moments of", "stokes": "polarisation of"}
 """Integrators that add channels to those of one within."""
 _NO_LIGHT = ("depth",)

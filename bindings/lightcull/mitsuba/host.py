@@ -1,4 +1,4 @@
-"""Mitsuba itself: whether it is there, and that it knows the plugin."""
+"""Mitsuba itself: whether it is there, and that it knows the plugins."""
 
 from __future__ import annotations
 
@@ -12,17 +12,19 @@ from .._core import Error
 from . import system_libraries
 
 WANTED_VERSION = "3.8.0"
-"""The plugin is compiled against it: others differ in their classes."""
+"""The plugins are compiled against it: others differ in their classes."""
 
 _FOLDER = Path(__file__).parent
-_PLUGIN = _FOLDER / "plugins" / "lightcull_path.so"
+_PLUGINS = tuple(
+    _FOLDER / "plugins" / f"{name}.so" for name in ("lightcull_path", "lightcull_volpath")
+)
 
 
 @cache
 def mitsuba() -> Any:
-    """The module `mitsuba`, with `lightcull_path` among its plugins.
+    """The module `mitsuba`, with `lightcull_path` and `lightcull_volpath` among its plugins.
 
-    Raises Error if it, or the plugin, is missing.
+    Raises Error if it, or a plugin, is missing.
     """
     system_libraries.provide()
     try:
@@ -37,9 +39,10 @@ def mitsuba() -> Any:
             f"mitsuba is {module.__version__}, and lightcull_path is for {WANTED_VERSION}: "
             f"pip install mitsuba=={WANTED_VERSION}"
         )
-    if not _PLUGIN.is_file():
+    missing = [plugin for plugin in _PLUGINS if not plugin.is_file()]
+    if missing:
         raise Error(
-            f"{_PLUGIN}: missing; lightcull was installed where there was no mitsuba: install it "
+            f"{missing[0]}: missing; lightcull was installed where there was no mitsuba: install it "
             "again, now that there is"
         )
     module.file_resolver().append(str(_FOLDER))
@@ -48,5 +51,8 @@ def mitsuba() -> Any:
 
 @cache
 def build_digest() -> str:
-    """A hash of the plugin."""
-    return hashlib.blake2b(_PLUGIN.read_bytes(), digest_size=16).hexdigest()
+    """A hash of the plugins."""
+    digest = hashlib.blake2b(digest_size=16)
+    for plugin in _PLUGINS:
+        digest.update(plugin.read_bytes())
+    return digest.hexdigest()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import warnings
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,8 @@ from .mitsuba_scene import MitsubaScene
 
 _ROUND, _FADING = "round shapes are made of triangles", "spots fade out by another curve"
 _GREY = (0.5, 0.5, 0.5)
+_INSTANCE = "Instance"
+_TWO_SIDED, _NORMAL_MAP = "TwoSidedBRDF", "NormalMap"
 _PRINCIPLED_LEFT_OUT = ("anisotropic", "clearcoat", "flatness", "sheen", "spec_tint", "spec_trans")
 """Parameters of a principled material that ours has not, where they are above 0."""
 
@@ -26,10 +29,10 @@ def import_scene(scene: Any, name: str | None = None) -> Scene:
     """Makes a `lightcull.Scene` of a scene of Mitsuba's, for this project's own renderer.
 
     scene: what `load_file` gave, or a `mitsuba.Scene`, of an RGB variant, which must be set. name:
-    for messages; None: that of the file. What film and integrator say of size and depths holds
-    for `lightcull.render`, too, unless it is told otherwise. Taken over are meshes, rectangles, and
-    spheres, disks and cylinders as triangles; diffuse and principled materials, and those
-    two-sided; area emitters with a colour, a texture or a `face_radiance`; points, spots,
+    for messages; None: that of the file. What film and integrator say of size, depths and
+    hide_emitters holds for `lightcull.render`, too, unless it is told otherwise. Taken over are meshes, rectangles,
+    instances of shapegroups, and spheres, disks and cylinders as triangles; diffuse and principled materials, those
+    two-sided, and normal maps of both; area emitters with a colour, a texture or a `face_radiance`; points, spots,
     directional lights, environments; sensors. All else is named in one `UnsupportedWarning`; what
     emits by it is left out, and materials are grey.
     """
@@ -47,10 +50,9 @@ class _Import:
         self._scene = Scene(name)
         self._scene.file_settings = source.file_settings
         self._notes = Notes()
-        if source.integrator.hide_emitters:
-            self._notes.left_out("hide_emitters")
-        self._materials: dict[int, int] = {}
+        self._materials: dict[tuple[int, bool], int] = {}
         self._said: set[str] = set()
+        self._groups: dict[str, list[int]] = {}
 
     def run(self) -> Scene:
         self._add_cameras()
@@ -89,26 +91,71 @@ class _Import:
     # ---- shapes ----------------------------------------------------------------------------------
 
     def _add_shape(self, shape: Any) -> None:
-        geometry = geometry_of(shape)
-        kind = shape.class_name()
-        if geometry is None:
-            self._notes.left_out(f"shape {kind}" + (" that emits" if shape.is_emitter() else ""))
+        if shape.class_name() == _INSTANCE:
+            to_world = matrix_of(_values(shape)["to_world"])
+            for mesh in self._shared_meshes(_group_of(shape)):
+                self._scene.add_instance(mesh, to_world)
             return
+        self._add_triangles(shape, self._scene.add_mesh)
+
+    def _shared_meshes(self, group: str) -> list[int]:
+        """Those of the shapes of a shapegroup, which Mitsuba shows as parameters alone."""
+        if group not in self._groups:
+            parameters = mitsuba().traverse(self._source.scene).properties
+            shapes = {
+                id(node): node
+                for name, (*_, node, _) in parameters.items()
+                if name.startswith(f"{group}.") and isinstance(node, mitsuba().Shape)
+            }
+            add = self._scene.add_shared_mesh
+            meshes = [self._add_triangles(shape, add) for shape in shapes.values()]
+            self._groups[group] = [mesh for of_shape in meshes for mesh in of_shape]
+        return self._groups[group]
+
+    def _add_triangles(self, shape: Any, add: Callable[..., int]) -> list[int]:
+        """Adds a shape; the meshes that it became by `add`, if it does not emit."""
+        geometry = geometry_of(shape)
+        if geometry is None:
+            kind = f"shape {shape.class_name()}"
+            self._notes.left_out(kind + (" that emits" if shape.is_emitter() else ""))
+            return []
         if geometry.is_round:
             self._remark_once(_ROUND)
         if shape.interior_medium() or shape.exterior_medium():
             self._notes.left_out("medium")
-        material = self._material(shape.bsdf())
-        arrays = {"normals": geometry.normals, "uvs": geometry.uvs}
-        where = {"material": material, "name": str(shape.id())}
+        uvs = geometry.uvs
+        if uvs is None and _is_textured(shape.bsdf()):
+            self._notes.left_out("textures on shapes without texture coordinates")
+            uvs = np.zeros((len(geometry.positions), 2), np.float32)
+        what = {"normals": geometry.normals, "uvs": uvs, "name": str(shape.id())}
         if not shape.is_emitter():
-            self._scene.add_mesh(geometry.positions, geometry.indices, **arrays, **where)
-            return
+            return [
+                add(
+                    geometry.positions,
+                    indices,
+                    **what,
+                    material=self._material(shape.bsdf(), mirrored=mirrored),
+                )
+                for mirrored, indices in self._by_hand(shape.bsdf(), geometry)
+            ]
         emission = self._emission(shape, geometry)
         if emission is not None:
-            self._scene.add_light_mesh(
-                geometry.positions, geometry.indices, **arrays, **where, **emission
-            )
+            what["material"] = self._material(shape.bsdf())
+            self._scene.add_light_mesh(geometry.positions, geometry.indices, **what, **emission)
+        return []
+
+    def _by_hand(self, bsdf: Any, geometry: Geometry) -> Iterator[tuple[bool, np.ndarray]]:
+        """Triangles of a shape, and whether its normal map is mirrored there: Mitsuba's frames are
+        right-handed where ours follow texture coordinates.
+        """
+        if geometry.uvs is None or not any(".normalmap." in f".{key}" for key in _values(bsdf)):
+            yield False, geometry.indices
+            return
+        a, b, c = (geometry.uvs[geometry.indices[:, k]].astype(np.float64) for k in range(3))
+        first, second = b - a, c - a
+        mirrored = first[:, 0] * second[:, 1] < first[:, 1] * second[:, 0]
+        for hand in np.unique(mirrored):
+            yield bool(hand), geometry.indices[mirrored == hand]
 
     def _emission(self, shape: Any, geometry: Geometry) -> dict[str, Any] | None:
         values = _values(shape)
@@ -127,28 +174,43 @@ class _Import:
 
     # ---- materials -------------------------------------------------------------------------------
 
-    def _material(self, bsdf: Any) -> int:
-        key = id(bsdf)
+    def _material(self, bsdf: Any, *, mirrored: bool = False) -> int:
+        key = (id(bsdf), mirrored)
         if key not in self._materials:
-            self._materials[key] = self._new_material(bsdf)
+            self._materials[key] = self._new_material(bsdf, mirrored=mirrored)
         return self._materials[key]
 
-    def _new_material(self, bsdf: Any) -> int:
+    def _new_material(self, bsdf: Any, *, mirrored: bool) -> int:
         kind, values = bsdf.class_name(), _values(bsdf)
-        if kind == "TwoSidedBRDF":
-            # Both sides as the first: ours have no other.
-            if any(key.startswith("brdf_1.") for key in values):
+        relief: dict[str, Any] = {}
+        while kind in (_TWO_SIDED, _NORMAL_MAP):
+            if kind == _NORMAL_MAP:
+                relief = self._relief(values, mirrored=mirrored)
+            elif any(key.startswith("brdf_1.") for key in values):
+                # Both sides as the first: ours have no other.
                 self._notes.left_out("other material on the back")
-            values = {k.split(".", 1)[1]: v for k, v in values.items() if k.startswith("brdf_0.")}
+            inside = "nested_bsdf." if kind == _NORMAL_MAP else "brdf_0."
+            values = {k.removeprefix(inside): v for k, v in values.items() if k.startswith(inside)}
             kind = _kind_of(values)
         if kind == "SmoothDiffuse":
-            return self._scene.add_material("diffuse", **self._color(values, "reflectance"))
+            color = self._color(values, "reflectance")
+            return self._scene.add_material("diffuse", **color, **relief)
         if kind == "Principled":
-            return self._new_principled(values)
+            return self._new_principled(values, relief)
         self._notes.left_out(f"material {kind or 'of two sides'}, shown as grey")
         return self._scene.add_material(base_color=_GREY)
 
-    def _new_principled(self, values: dict[str, Any]) -> int:
+    def _relief(self, values: dict[str, Any], *, mirrored: bool) -> dict[str, Any]:
+        if "normalmap.data" not in values:
+            self._notes.left_out("normal map that is no bitmap")
+            return {}
+        self._check_texture(values, "normalmap")
+        texels = _texels(values["normalmap.data"])
+        if mirrored:
+            texels[..., 1] = 1.0 - texels[..., 1]
+        return {"normal_texture": self._scene.add_texture(texels)}
+
+    def _new_principled(self, values: dict[str, Any], relief: dict[str, Any]) -> int:
         for name in _PRINCIPLED_LEFT_OUT:
             if _number(values.get(f"{name}.value", 1.0)) > 0:
                 self._notes.left_out(f"{name} of Principled")
@@ -160,6 +222,7 @@ class _Import:
             metallic=_number(values.get("metallic.value", 0.0)),
             roughness=_number(values.get("roughness.value", 0.5)),
             **self._color(values, "base_color"),
+            **relief,
         )
 
     def _check_texture(self, values: dict[str, Any], name: str) -> None:
@@ -228,8 +291,22 @@ def _values(thing: Any) -> dict[str, Any]:
     return {key: parameters[key] for key in parameters.keys()}  # noqa: SIM118
 
 
+def _group_of(instance: Any) -> str:
+    """The id of its shapegroup, which it only prints."""
+    found = re.search(r'ShapeGroup\[\s*name = "(.*)"', str(instance))
+    return found[1] if found else ""
+
+
+def _is_textured(bsdf: Any) -> bool:
+    return any(key.endswith(".data") for key in _values(bsdf))
+
+
 def _kind_of(values: dict[str, Any]) -> str:
-    """The material within one of two sides, which Mitsuba does not name."""
+    """The material within another, which Mitsuba does not name."""
+    if any(key.startswith("brdf_0.") for key in values):
+        return _TWO_SIDED
+    if any(key.startswith("normalmap.") for key in values):
+        return _NORMAL_MAP
     if "base_color.value" in values or "base_color.data" in values:
         return "Principled"
     only = {key.rsplit(".", 1)[0] for key in values}

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import json
+import warnings
+from collections import Counter
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 import numpy as np
 
+from ..loaders.unsupported import UnsupportedWarning
 from .host import mitsuba
 
 SceneDict: TypeAlias = dict[str, Any]
@@ -28,20 +31,30 @@ def merge_emitters(scene: SceneDict) -> SceneDict:
     equal materials: into a mesh for each radiance, or, where there are more than 16 and all are RGB
     in an RGB variant, into one with a `face_radiance` (which Mitsuba's own `path` does not sample
     rightly). Spectra have no such attribute that holds them exactly: scenes with many of them stay
-    fast in spectral LLVM variants if bulbs share some hundred radiances at most. All else stays as
-    it is. Shapes in the result are in world space.
+        fast in spectral LLVM variants if bulbs share some hundred radiances at most. All else stays as
+    it is; of emitters among that an UnsupportedWarning says how many, and why: spheres, discs and
+    tubes would not be the same light as meshes, textures need coordinates that merging leaves out.
+    Shapes in the result are in world space.
     """
     merged: SceneDict = {}
+    left: Counter[str] = Counter()
     groups: dict[tuple[str, bool], list[_Part]] = {}
     for name, value in scene.items():
-        if not _can_be_merged(value):
+        reason = _why_not(value)
+        if reason is not None:
             merged[name] = value
+            left[reason] += 1
             continue
         part = _part_of(value)
         groups.setdefault((part.bsdf_key, part.normals is not None), []).append(part)
     for number, parts in enumerate(groups.values()):
         for name, mesh in _meshes_of(parts, f"merged_emitters_{number}").items():
             merged[name] = mesh
+    del left[_NO_EMITTER]
+    if left:
+        said = ", ".join(f"{count:,} ({reason})" for reason, count in left.most_common())
+        text = f"merge_emitters leaves emitters as they are: {said}"
+        warnings.warn(text, UnsupportedWarning, stacklevel=2)
     return merged
 
 
@@ -68,18 +81,30 @@ def _key(value: Any) -> str:
     return json.dumps(value, sort_keys=True, default=lambda v: f"{type(v).__name__} {id(v)}")
 
 
-def _can_be_merged(shape: Any) -> bool:
-    if not isinstance(shape, dict) or shape.get("type") not in _MESH_TYPES:
-        return False
+_NO_EMITTER = "no emitter"
+
+
+def _why_not(shape: Any) -> str | None:
+    """What keeps a part of a scene from being merged; None: nothing."""
+    if not isinstance(shape, dict):
+        return _NO_EMITTER
     emitters = [key for key, value in shape.items() if _type_of(value) == "area"]
+    if shape.get("type") == "shapegroup" or not emitters:
+        return _NO_EMITTER
+    if shape["type"] not in _MESH_TYPES:
+        return f"{shape['type']}: no mesh"
     children = [key for key, value in shape.items() if isinstance(value, dict)]
     if emitters != ["emitter"] or set(children) - {"emitter", "bsdf"}:
-        return False
+        return "with media or other parts"
     emitter = shape["emitter"]
-    if set(emitter) - {"type", "id", "radiance"} or _has_texture(shape.get("bsdf")):
-        return False
     radiance = emitter.get("radiance")
-    return isinstance(radiance, int | float) or _type_of(radiance) in _CONSTANT_RADIANCES
+    if not (isinstance(radiance, int | float) or _type_of(radiance) in _CONSTANT_RADIANCES):
+        return "no constant radiance"
+    if set(emitter) - {"type", "id", "radiance"}:
+        return "with a sampling weight or a medium"
+    if _has_texture(shape.get("bsdf")):
+        return "with a textured material"
+    return None
 
 
 def _type_of(value: Any) -> str | None:

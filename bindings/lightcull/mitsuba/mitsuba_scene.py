@@ -25,15 +25,20 @@ from .host import build_digest, mitsuba
 from .mitsuba_job import MitsubaJob, check_film
 
 
+IN_MEDIA = "light_bvh:importance=means"
+"""The sampler of `lightcull_volpath`, which has no other."""
+
+
 class MitsubaScene:
     """A scene of Mitsuba's, which `lightcull.render` and `lightcull.compare` take, too.
 
     Its samplers are those of `lightcull_path`, with their options ("culled:sets=16"), and "path",
-    which is Mitsuba's own integrator: `path`, or `volpath` where the file says that.
+    which is Mitsuba's own integrator: `path`, or `volpath` where the file says that. Where it says
+    that, and there are media, there is `IN_MEDIA` in place of the former, by `lightcull_volpath`.
 
     scene: a `mi.Scene` of the variant that is set. digest: tells it from other scenes; None: it is
     not known, and no reference is ever found in the cache. integrator: what holds of the one of the
-    file, as `load_file` finds it; None: max_depth and rr_depth of that of the scene.
+    file, as `load_file` finds it; None: what that of the scene tells.
     """
 
     def __init__(
@@ -49,7 +54,7 @@ class MitsubaScene:
         self.integrator = _integrator_of(scene) if integrator is None else integrator
         self._has_media = any(
             shape.interior_medium() or shape.exterior_medium() for shape in scene.shapes()
-        )
+        ) or any(sensor.get_medium() for sensor in scene.sensors())
         self._sensor = next(iter(scene.sensors()), None)
         self._variant = mitsuba().variant()
         self._digest = digest or os.urandom(16).hex()
@@ -131,7 +136,9 @@ class MitsubaScene:
     def file_settings(self) -> FileSettings:
         """What film and integrator say."""
         size = None if self._sensor is None else self.size
-        return FileSettings(size, self.integrator.max_depth, self.integrator.rr_depth)
+        return FileSettings(
+            size, self.integrator.max_depth, self.integrator.rr_depth, self.integrator.hide_emitters
+        )
 
     @property
     def variant(self) -> str:
@@ -153,19 +160,46 @@ class MitsubaScene:
             importlib.import_module("drjit").set_thread_count(settings.threads)
         if settings.direct_light != "mis":
             raise Error("direct_light: not for Mitsuba, whose paths sample lights and the BSDF")
-        depths = {"max_depth": settings.max_depth, "rr_depth": settings.rr_depth}
-        integrator = self._new_integrator(sampler, **depths)
+        integrator = self._new_integrator(
+            sampler,
+            max_depth=settings.max_depth,
+            rr_depth=settings.rr_depth,
+            hide_emitters=settings.hide_emitters,
+        )
         return MitsubaJob(sampler, self.scene, self.sensor, integrator, settings.seed, spp)
 
     @property
     def best_sampler(self) -> str:
-        """`learned`; "path" where there are media, which Mitsuba alone renders."""
-        return PATH if self.wants_media else "learned"
+        """`learned`; `IN_MEDIA` where there are media."""
+        return IN_MEDIA if self.wants_media else "learned"
 
     @property
     def wants_media(self) -> bool:
         """Whether there are media, and the integrator of the scene renders them."""
         return self._has_media and self.integrator.kind != PATH
+
+    def _check_attributes(self) -> None:
+        """Raises Error for emitters whose radiance is an attribute of their mesh. Mitsuba asks for
+        it at a point without a shape: it crashes in scalar variants, and loses light in others.
+        """
+        for shape in self.scene.shapes():
+            if shape.is_emitter() and _ATTRIBUTE in str(shape.emitter()):
+                raise Error(
+                    f"sampler {PATH!r}: Mitsuba's own integrators sample no radiance that is an "
+                    f"attribute of a mesh, as that of {shape.id()!r} is: take the scene as it was "
+                    "before merge_emitters"
+                )
+
+    def _of_lightcull(self, description: str) -> dict[str, Any]:
+        if not self.wants_media:
+            # A job is one render to its user, though it is many to Mitsuba.
+            return {"type": "lightcull_path", "light_sampler": description, "keep_learned": True}
+        if description != IN_MEDIA:
+            raise Error(
+                f"sampler {description!r}: not for the media of {self.name}: {IN_MEDIA} renders "
+                f"them by lightcull_volpath, and path by Mitsuba's {self.integrator.kind}"
+            )
+        return {"type": "lightcull_volpath"}
 
     def _set_size(self, size: tuple[int, int]) -> None:
         """A crop window is scaled with its film: the picture shows what it showed before."""
@@ -188,25 +222,20 @@ class MitsubaScene:
         if self.size != size:
             raise Error(f"{self.name}: its film cannot be made {size[0]}x{size[1]}")
 
-    def _new_integrator(self, description: str, **depths: int) -> Any:
+    def _new_integrator(self, description: str, **wanted: int) -> Any:
         properties: dict[str, Any] = {"type": self.integrator.kind}
-        if description != PATH:
-            if self.wants_media:
-                raise Error(
-                    f"sampler {description!r}: not for the media of {self.name}: "
-                    f"path renders them, by Mitsuba's {self.integrator.kind}"
-                )
-            # A job is one render to its user, though it is many to Mitsuba.
-            properties = {
-                "type": "lightcull_path",
-                "light_sampler": description,
-                "keep_learned": True,
-            }
+        if description == PATH:
+            self._check_attributes()
+        else:
+            properties = self._of_lightcull(description)
         try:
-            return mitsuba().load_dict(properties | self.integrator.properties | depths)
+            return mitsuba().load_dict(properties | self.integrator.properties | wanted)
         except RuntimeError as error:
             reason = str(error).splitlines()[0].rsplit("] ", 1)[-1]
             raise Error(f"sampler {description!r}: {reason}") from error
+
+
+_ATTRIBUTE = "MeshAttribute["
 
 
 def _is_of_shape(emitter: Any) -> bool:
@@ -233,7 +262,11 @@ def _corners(shape: Any) -> np.ndarray:
     return np.array([box.min, box.max], np.float32).reshape(2, 3)
 
 
-_KINDS = {"VolumetricPathIntegrator": "volpath", "VolpathMisIntegratorImpl": "volpathmis"}
+_KINDS = {
+    "VolumetricPathIntegrator": "volpath",
+    "VolpathMisIntegratorImpl": "volpathmis",
+    "LightcullVolpath": "volpath",
+}
 
 
 def _integrator_of(scene: Any) -> FileIntegrator:
@@ -246,4 +279,5 @@ def _integrator_of(scene: Any) -> FileIntegrator:
     if "DirectIntegrator[" in str(integrator):
         depth = DIRECT_DEPTH
     kind = PATH if integrator is None else _KINDS.get(integrator.class_name(), PATH)
-    return FileIntegrator(kind, depth, int(said.get("rr_depth", known.rr_depth)))
+    hidden = bool(getattr(integrator, "hide_emitters", False))
+    return FileIntegrator(kind, depth, int(said.get("rr_depth", known.rr_depth)), hidden)

@@ -14,7 +14,7 @@ from .._core import Error
 from ..loaders.unsupported import Notes, UnsupportedWarning
 from .file_integrator import take_integrator
 from .host import mitsuba
-from .mitsuba_scene import MitsubaScene
+from .mitsuba_scene import IN_MEDIA, MitsubaScene
 
 DEFAULT_VARIANT = "scalar_rgb"
 
@@ -56,7 +56,10 @@ def load_file(
         scene, path.stem, _digest(path, state, parameters or {}), integrator=integrator
     )
     if result.wants_media:
-        notes.remark(f"its media are rendered by Mitsuba's {integrator.kind}, the sampler 'path'")
+        notes.remark(
+            f"its media are rendered by lightcull_volpath, the sampler {IN_MEDIA!r}; "
+            f"'path' is Mitsuba's {integrator.kind}"
+        )
     if message := notes.message():
         warnings.warn(f"{path}: {message}", UnsupportedWarning, stacklevel=2)
     return result

@@ -32,6 +32,8 @@ class Cycles:
         light_tree = check(description)
         if settings.direct_light != "mis":
             raise Error(f"{description}: direct_light is {settings.direct_light!r}: it has its own")
+        if settings.hide_emitters:
+            raise Error(f"{description}: hide_emitters: not for other renderers")
         if settings.max_depth < 2:
             raise Error(f"{description}: max_depth is {settings.max_depth}, wanted 2 at least")
         self.description = description

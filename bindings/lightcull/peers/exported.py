@@ -102,6 +102,9 @@ def _check(contents: dict[str, Any], camera: Camera) -> None:
             material["opacity"] < 1 or material["opacity_texture"] != _core.NO_TEXTURE
             for material in materials
         ),
+        "normal maps": any(
+            material["normal_texture"] != _core.NO_TEXTURE for material in materials
+        ),
         "colours of vertices": any(mesh["colors"] is not None for mesh in contents["meshes"]),
         "an orthographic camera": camera.orthographic_height > 0,
     }

@@ -39,6 +39,8 @@ class Pbrt:
         check(description)
         if settings.direct_light != "mis":
             raise Error(f"{description}: direct_light is {settings.direct_light!r}: it has its own")
+        if settings.hide_emitters:
+            raise Error(f"{description}: hide_emitters: not for other renderers")
         self.description = description
         self._threads = settings.threads or machine.core_count()
         folder = tempfile.TemporaryDirectory(prefix="lightcull-pbrt-")

@@ -22,7 +22,7 @@ from .. import _core, checks
 from .._core import Error
 from ..output_files import check_output, write_whole_file
 
-_MAGIC = b"lightcull checkpoint 3\n"
+_MAGIC = b"lightcull checkpoint 4\n"
 _DIGEST_SIZE = 32
 _SECONDS_BETWEEN = 60.0
 
@@ -39,6 +39,7 @@ class RenderKey:
     max_depth: int
     rr_depth: int
     direct_light: str
+    hide_emitters: bool
     seed: int
     chunk: int
     """Passes that are added up before they are added to the others."""

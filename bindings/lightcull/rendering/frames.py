@@ -38,10 +38,13 @@ class Frames:
         threads: int = 0,
         rr_depth: int = RR_DEPTH,
         direct_light: str = "mis",
+        hide_emitters: bool = False,
     ) -> None:
         if not isinstance(scene, Scene):
             raise TypeError(f"scene: wanted a lightcull.Scene, got {scene!r}")
-        self._settings = RenderSettings(size, max_depth, seed, threads, rr_depth, direct_light)
+        self._settings = RenderSettings(
+            size, max_depth, seed, threads, rr_depth, direct_light, hide_emitters=hide_emitters
+        )
         self._scene = scene
         self._sampler = subject_of(scene).best_sampler if sampler is None else sampler
         checks.text("sampler", self._sampler)

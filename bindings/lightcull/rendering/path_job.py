@@ -37,6 +37,7 @@ class PathJob:
             self._scene, chosen, *settings.size, settings.max_depth, settings.seed,
             settings.threads, settings.rr_depth, settings.direct_light, settings.emission_apart,
             settings.even_numbers,
+            settings.hide_emitters,
         )  # fmt: skip
         self._setup_seconds = self._renderer.setup_seconds()
         if self._own is not None:

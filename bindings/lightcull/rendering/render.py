@@ -44,6 +44,7 @@ def render(
     threads: int = 0,
     rr_depth: int | None = None,
     direct_light: str = "mis",
+    hide_emitters: bool | None = None,
     progress: ProgressCallback | None = None,
     checkpoint: str | os.PathLike[str] | None = None,
     every: float | None = None,
@@ -56,14 +57,15 @@ def render(
     scene: ours, or a `lightcull.mitsuba.MitsubaScene`. sampler: a description as in `LightSampler`;
     None: "learned", or "culled" where glossy virtual lights are among the lights. size: width and
     height, pixels. max_depth: longest path, in edges: 1 sees emitters only, 2 direct light. size,
-    max_depth and rr_depth are those of the scene's file if it is one of Mitsuba's, else 320x240, 2
-    and 5. method:
+    max_depth, rr_depth and hide_emitters are those of the scene's file if it is one of Mitsuba's, else
+    320x240, 2, 5 and False. method:
     how light that bounces is found: "path" by paths; "vpl_all", "vpl_culled", "vpl_clamped" and
     "vpl_grid" by virtual lights where light paths meet surfaces, which wants a max_depth of 3 to 5
     (`lightcull render --help` has their options); the sampler is then for direct light. rr_depth:
     Russian roulette may end a path from this many edges on. direct_light: "mis" samples lights and
-    the BSDF, "lights" or "bsdf" one of them alone. threads: 0 for all; the image does not depend on
-    it. progress: called between passes; what it raises ends the render.
+    the BSDF, "lights" or "bsdf" one of them alone. hide_emitters: the camera sees neither triangles that
+    emit, through which its rays go on, nor the environment; mirrors do. threads: 0 for all; the image
+    does not depend on it. progress: called between passes; what it raises ends the render.
 
     checkpoint: a file to which the render is saved every `every` seconds (60 unless told) and at
     its end, from which it can go on; whatever happens, the old one or the new one is there whole. It
@@ -86,8 +88,12 @@ def render(
     One more, before that is over, is a KeyboardInterrupt.
     """
     budget = Budget(spp, seconds)
-    size, max_depth, rr_depth = settings_of(scene, size, max_depth, rr_depth)
-    settings = RenderSettings(size, max_depth, seed, threads, rr_depth, direct_light)
+    size, max_depth, rr_depth, hide_emitters = settings_of(
+        scene, size, max_depth, rr_depth, hide_emitters
+    )
+    settings = RenderSettings(
+        size, max_depth, seed, threads, rr_depth, direct_light, hide_emitters=hide_emitters
+    )
     subject = subject_of(scene)
     if cluster is not None:
         check_cluster(cluster)
@@ -145,8 +151,8 @@ def _by_paths(
     """The render, and whether Ctrl-C ended it; saved on the way and at the end if that is wanted."""
     key = RenderKey(
         scene.name, scene.digest(), checks.text("sampler", sampler), settings.size,
-        settings.max_depth, settings.rr_depth, settings.direct_light, settings.seed, chunk,
-        machine.build_id(),
+        settings.max_depth, settings.rr_depth, settings.direct_light, settings.hide_emitters,
+        settings.seed, chunk, machine.build_id(),
     )  # fmt: skip
     keeper = Keeper(key, checkpoint=checkpoint, every=every, resume=resume)
     before = keeper.before

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from .. import checks, memory
 from .._core import Error
@@ -37,6 +37,8 @@ class RenderSettings:
     even_numbers: bool = True
     """Whether the random numbers of a pixel cover their ranges evenly from pass to pass, which leaves
     less error; else passes are independent, for statistics of one."""
+    hide_emitters: bool = False
+    """Whether the camera sees neither triangles that emit nor the environment."""
 
     def __post_init__(self) -> None:
         if self.direct_light not in DIRECT_LIGHT:
@@ -49,10 +51,20 @@ class RenderSettings:
             "max_depth": checks.whole_number("max_depth", self.max_depth, 1),
             "seed": checks.whole_number("seed", self.seed, most=checks.MOST_64_BITS),
             "threads": checks.whole_number("threads", self.threads),
+            "hide_emitters": bool(self.hide_emitters),
         }
         for name, value in checked.items():  # numbers of any kind become Python's
             object.__setattr__(self, name, value)
         memory.check_image(self.size)
+
+
+class Wanted(NamedTuple):
+    """What a file may say of how it is rendered, too; the fields are as in `RenderSettings`."""
+
+    size: tuple[int, int]
+    max_depth: int
+    rr_depth: int
+    hide_emitters: bool
 
 
 def settings_of(
@@ -60,12 +72,15 @@ def settings_of(
     size: tuple[int, int] | None,
     max_depth: int | None,
     rr_depth: int | None,
+    hide_emitters: bool | None,
     default_depth: int = MAX_DEPTH,
-) -> tuple[tuple[int, int], int, int]:
-    """Size, max_depth and rr_depth: as told, else as the file of the scene says, else the defaults."""
+) -> Wanted:
+    """What is wanted: as told, else as the file of the scene says, else the defaults."""
     written = getattr(scene, "file_settings", FileSettings())
-    return (
+    hidden = written.hide_emitters if hide_emitters is None else hide_emitters
+    return Wanted(
         next(value for value in (size, written.size, SIZE) if value is not None),
         next(value for value in (max_depth, written.max_depth, default_depth) if value is not None),
         next(value for value in (rr_depth, written.rr_depth, RR_DEPTH) if value is not None),
+        bool(hidden),
     )

@@ -60,7 +60,7 @@ class VirtualLightJob:
         self._scene = scene.closed()
         self._renderer = _core.VirtualLightRenderer(
             self._scene, method, sampler, *settings.size, settings.max_depth, settings.seed,
-            settings.threads,
+            settings.threads, settings.hide_emitters,
         )  # fmt: skip
         self._memory = self._renderer.virtual_light_memory()
         memory.check(f"{method}: its virtual lights need", self._memory.lights)

@@ -2,6 +2,7 @@
 
 #include <lightcull/export.h>
 #include <lightcull/float3.h>
+#include <lightcull/light.h>
 #include <lightcull/span.h>
 
 #include <cstddef>
@@ -20,6 +21,21 @@ struct TriangleCorners {
 struct SubTriangle {
     float2 corners[3]{{0, 0}, {1, 0}, {0, 1}};
 };
+
+/// The corner after a corner, of the three that go round.
+inline std::uint32_t next_corner(std::uint32_t corner) noexcept {
+    return corner == 2 ? 0 : corner + 1;
+}
+
+/// One half of a triangle: the middle of the edge from `edge` to the next corner takes the place of
+/// the next corner, or, in the second half, of this one. Halves of halves are exact as long as
+/// floats hold the powers of 2.
+inline SubTriangle half_of(const SubTriangle& whole, std::uint32_t edge, bool second) noexcept {
+    const float2 a = whole.corners[edge], b = whole.corners[next_corner(edge)];
+    SubTriangle half = whole;
+    half.corners[second ? edge : next_corner(edge)] = {0.5f * (a.x + b.x), 0.5f * (a.y + b.y)};
+    return half;
+}
 
 /// The part of the triangle's area that a sub-triangle has.
 inline float area_share(const SubTriangle& part) noexcept {
@@ -57,6 +73,17 @@ struct CutDemand {
     std::size_t most_pieces = 32768;  ///< pieces of even emission that cuts add at most
 };
 
+/// What cuts are worth among the lights of a scene.
+struct CutLimits {
+    double least_flux = 0.0;      ///< CutDemand::least_flux
+    std::size_t most_lights = 0;  ///< CutDemand::most_lights
+};
+
+/// The limits that suit a scene of these lights, of which any may be triangles to be cut. A light
+/// is worth a cut if it emits at least a thousandth of what all do, but for the brightest, of which
+/// some may be suns far away: among very many lights, none of them alone makes noise.
+LIGHTCULL_EXPORT CutLimits cut_limits(Span<const Light> lights);
+
 /// Cuts emissive triangles into parts, each a light of its own, where they are longer than their
 /// distance to what they light; and each part, where its emission is uneven, into pieces, of which
 /// one is drawn in proportion to what it emits, and then a place on it. Parts and pieces are the
@@ -91,8 +118,9 @@ class LIGHTCULL_EXPORT TriangleCuts {
     /// False if all of the triangle is one part and one piece.
     bool is_cut(std::uint32_t triangle) const noexcept { return nodes_[triangle].first_child != 0; }
 
-    /// Draws a piece of a part by `u` in [0, 1), which becomes another such number.
-    Piece draw(std::uint32_t part, float& u) const noexcept;
+    /// Draws a piece of a part by `u` in [0, 1). It uses u up: take fresh numbers for the place. As
+    /// there may be tens of thousands of pieces, 24 random bits are few.
+    Piece draw(std::uint32_t part, double u) const noexcept;
     /// The piece in which a place of a triangle lies (at an edge, some piece next to it), and the
     /// barycentric coordinates that the place has in the piece.
     struct Found {
@@ -109,11 +137,8 @@ class LIGHTCULL_EXPORT TriangleCuts {
     /// The memory that this takes, bytes.
     std::size_t memory_size() const noexcept;
 
-  private:
-    friend class TriangleCutter;
-
-    /// Of the edge from one corner to the next the middle is a corner of both children: of the
-    /// first in place of the next one, of the second in place of this one.
+    /// A node of a tree. Of the edge from one corner to the next the middle is a corner of both
+    /// children: of the first in place of the next one, of the second in place of this one.
     struct Node {
         std::uint32_t first_child = 0;  ///< 0: none
         std::uint32_t part = kNoPart;   ///< the part that the node is, if it is one
@@ -122,7 +147,14 @@ class LIGHTCULL_EXPORT TriangleCuts {
         float weights[3]{};             ///< those of a piece
     };
 
-    std::vector<Node> nodes_;  ///< nodes; the first ones are roots, one per triangle
+    /// The nodes, for a host that walks the trees itself, as in a kernel of its own. The first ones
+    /// are roots, one per triangle; the leaves at or below a part are its pieces.
+    Span<const Node> nodes() const noexcept { return nodes_; }
+
+  private:
+    friend class TriangleCutter;
+
+    std::vector<Node> nodes_;
     std::vector<Part> parts_;
 };
 

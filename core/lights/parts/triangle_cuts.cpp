@@ -1,7 +1,6 @@
 #include <lightcull/triangle_cuts.h>
 
 #include "base/memory_size.h"
-#include "lights/parts/bisection.h"
 #include "lights/parts/triangle_cutter.h"
 
 #include <algorithm>
@@ -25,13 +24,15 @@ TriangleCuts::TriangleCuts(Span<const TriangleCorners> triangles, const CutDeman
     cutter.finish(*this);
 }
 
-TriangleCuts::Piece TriangleCuts::draw(std::uint32_t part, float& u) const noexcept {
+TriangleCuts::Piece TriangleCuts::draw(std::uint32_t part, double u) const noexcept {
     Piece piece{part, 1.0f, parts_[part].corners, {}};
     const Node* node = &nodes_[parts_[part].node];
     while (node->first_child != 0) {
-        const bool second = u >= node->share;
+        const auto share = static_cast<double>(node->share);
+        const bool second = u >= share;
         const float prob = second ? 1.0f - node->share : node->share;
-        u = std::min((second ? u - node->share : u) / prob, kBelow1);
+        constexpr double kBelowOne = 1.0 - 0x1p-53;
+        u = std::min((second ? u - share : u) / static_cast<double>(prob), kBelowOne);
         piece.prob *= prob;
         piece.corners = half_of(piece.corners, node->edge, second);
         node = &nodes_[node->first_child + (second ? 1 : 0)];

@@ -1,7 +1,5 @@
 #include "lights/parts/triangle_cutter.h"
 
-#include "lights/parts/bisection.h"
-
 #include <algorithm>
 #include <cmath>
 

@@ -2,6 +2,7 @@
 
 #include "base/alias_table.h"
 #include "base/parallel_blocks.h"
+#include "render/facet.h"
 #include "render/morton_sort.h"
 #include "render/path_random.h"
 #include "render/warp.h"
@@ -16,10 +17,16 @@ namespace {
 class Surfaces {
   public:
     explicit Surfaces(const SceneData& scene) : scene_(scene) {
-        std::vector<double> areas(scene.triangles.size());
-        for (std::uint32_t t = 0; t < areas.size(); ++t) {
-            const V3f edge1 = corner(t, 1) - corner(t, 0), edge2 = corner(t, 2) - corner(t, 0);
-            areas[t] = 0.5 * Imath::V3d(edge1.cross(edge2)).length();
+        for (MeshId mesh = 0; mesh < scene.meshes.size(); ++mesh) {
+            if (!scene.meshes[mesh].is_shared) add(scene.triangles_of(mesh), kNotInstanced);
+        }
+        for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
+            add(scene.triangles_of(scene.instances[i].mesh), i);
+        }
+        std::vector<double> areas(places_.size());
+        for (std::uint32_t k = 0; k < areas.size(); ++k) {
+            const Facet facet = this->facet(k);
+            areas[k] = 0.5 * Imath::V3d(facet.edge1.cross(facet.edge2)).length();
         }
         total_ = std::accumulate(areas.begin(), areas.end(), 0.0);
         if (total_ > 0.0) table_ = AliasTable(areas);
@@ -28,18 +35,27 @@ class Surfaces {
     double area() const noexcept { return total_; }
 
     CloudPoint point(const PathRandom& random, float radius) const noexcept {
-        const std::uint32_t t = table_.sample(random.fine(Dimension::kSelectLight));
+        const Facet f = facet(table_.sample(random.fine(Dimension::kSelectLight)));
         const V2f b = uniform_triangle(random.two(Dimension::kLightVertex));
-        const V3f &a = corner(t, 0), edge1 = corner(t, 1) - a, edge2 = corner(t, 2) - a;
-        return {a + edge1 * b.x + edge2 * b.y, triangle_normal(edge1, edge2), radius};
+        return {f.a + f.edge1 * b.x + f.edge2 * b.y, triangle_normal(f.edge1, f.edge2), radius};
     }
 
   private:
-    const V3f& corner(std::uint32_t triangle, std::uint32_t k) const noexcept {
-        return scene_.positions[scene_.corner(triangle, k)];
+    struct Place {
+        std::uint32_t triangle, instance;
+    };
+
+    void add(const SceneData::Range& triangles, std::uint32_t instance) {
+        for (std::size_t t = triangles.begin; t < triangles.end; ++t) {
+            places_.push_back({static_cast<std::uint32_t>(t), instance});
+        }
+    }
+    Facet facet(std::uint32_t k) const noexcept {
+        return {scene_, places_[k].triangle, places_[k].instance};
     }
 
     const SceneData& scene_;
+    std::vector<Place> places_;
     double total_ = 0.0;
     AliasTable table_;
 };

@@ -30,12 +30,13 @@ LightRay point_ray(const PointEmitter& point, const V2f& u) noexcept {
 
 LightRay triangle_ray(const SceneData& scene, const TriangleEmitter& emitter,
                       const PathRandom& random) noexcept {
-    V2f u = random.two(Dimension::kLightVertex);
+    const V2f u = random.two(Dimension::kLightVertex);
     TriangleEmitter triangle = emitter;
     V2f b = uniform_triangle(u), in_whole = b;
     float pdf = 1.0f;
     if (has_pieces(emitter)) {
-        const TriangleCuts::Piece piece = scene.cuts.draw(emitter.part, u.x);
+        const double of_piece = random.fine(Dimension::kLightPiece);
+        const TriangleCuts::Piece piece = scene.cuts.draw(emitter.part, of_piece);
         triangle = part_of(emitter, piece.corners);
         const float2 on_piece = TriangleCuts::draw_place(piece, u.x, u.y);
         const float2 place = place_in(piece.corners, on_piece);
@@ -90,7 +91,12 @@ double irradiance(const EnvironmentMap& environment) noexcept {
 
 EmissionTable::EmissionTable(const SceneData& scene) : scene_(scene) {
     Imath::Box3f box;
-    for (const V3f& p : scene.positions) box.extendBy(p);
+    for (MeshId mesh = 0; mesh < scene.meshes.size(); ++mesh) {
+        if (scene.meshes[mesh].is_shared) continue;
+        const SceneData::Range range = scene.positions_of(mesh);
+        for (std::size_t i = range.begin; i < range.end; ++i) box.extendBy(scene.positions[i]);
+    }
+    for (const Instance& instance : scene.instances) box.extendBy(bounds_of(scene, instance));
     if (!box.isEmpty()) {
         center_ = box.center();
         radius_ = 0.5f * box.size().length();

@@ -1,18 +1,19 @@
 #include "virtual_lights/view/camera_view.h"
 
 #include "base/parallel_blocks.h"
+#include "render/camera_hits.h"
 
 namespace lightcull {
 namespace {
 
-void trace_block(const SceneData& scene, const PassRays& camera_rays, std::size_t begin,
-                 std::size_t end, CameraView& view) {
+void trace_block(const SceneData& scene, bool hide_emitters, const PassRays& camera_rays,
+                 std::size_t begin, std::size_t end, CameraView& view) {
     std::vector<Ray> rays;
     std::vector<Hit> hits(end - begin);
     for (std::size_t i = begin; i < end; ++i) {
         rays.push_back(camera_rays.ray(static_cast<std::uint32_t>(i)));
     }
-    scene.ray_tracer->intersect(rays, hits, true);
+    intersect_camera_rays(scene, hide_emitters, rays, hits);
     const CameraRays& camera = camera_rays.camera();
     for (std::size_t i = begin; i < end; ++i) {
         const Hit& hit = hits[i - begin];
@@ -36,7 +37,7 @@ CameraView trace_camera_view(const SceneData& scene, const RenderSettings& setti
     view.view_positions.resize(pixels);
     constexpr std::size_t kBlock = 4096;
     for_each_block(pixels, kBlock, [&](std::size_t begin, std::size_t end) {
-        trace_block(scene, camera_rays, begin, end, view);
+        trace_block(scene, settings.hide_emitters, camera_rays, begin, end, view);
     });
     return view;
 }

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "lanes/cut_tables.h"
 #include "scene/scene_lights.h"
 
 namespace mitsuba::culling {
@@ -62,14 +63,27 @@ class LightTables {
     UInt32 triangle(const UInt32& light, const Mask& active) const {
         return dr::gather<UInt32>(triangles_, light, active);
     }
-    /// One of the three corners of each light that is a triangle.
+    /// One of the three corners of the triangle that each light is, or is a part of.
     Point3f corner(std::uint32_t which, const UInt32& light, const Mask& active) const {
         return dr::gather<Point3f>(corners_[which], light, active);
     }
-    /// The area of each light that is a triangle.
-    Float area(const UInt32& light, const Mask& active) const {
-        return dr::gather<Float>(areas_, light, active);
+    /// Draws a place on each light that is a triangle, or a part of one.
+    typename CutTables<Float>::Place draw_place(const UInt32& light, const Float& piece_1,
+                                                const Float& piece_2, const Point2f& random,
+                                                const Mask& active) const {
+        if (cuts_.has_parts()) return cuts_.draw(light, piece_1, piece_2, random, active);
+        return {warp::square_to_uniform_triangle(random),
+                dr::rcp(dr::gather<Float>(areas_, light, active))};
     }
+    /// The light that a place of a triangle belongs to, and the density with which it is drawn on
+    /// that. `light` is the triangle's, or its first part's.
+    typename CutTables<Float>::Found find_place(const UInt32& light, const Point2f& uv,
+                                                const Mask& active) const {
+        if (cuts_.has_parts()) return cuts_.find(light, uv, active);
+        return {light, dr::rcp(dr::gather<Float>(areas_, light, active))};
+    }
+    /// Whether draw_place() takes numbers to choose pieces by.
+    bool has_pieces() const { return cuts_.has_choice(); }
 
     static constexpr std::uint32_t kNoTriangle = 0xffffffffu;
 
@@ -85,6 +99,7 @@ class LightTables {
     EmitterPtr emitters_;
     UInt32 triangles_;
     Float corners_[3], areas_;
+    CutTables<Float> cuts_;
     bool has_triangles_ = false, has_wholes_ = false;
     // These are indexed by the place among the unplaced; sums are of the probabilities up to it.
     std::uint32_t unplaced_count_ = 0;
@@ -130,23 +145,22 @@ void LightTables<Float, Spectrum>::load_triangles(const SceneLights<Float, Spect
     const std::size_t count = lights.lights().size();
     std::vector<const Emitter*> emitters(count);
     std::vector<std::uint32_t> triangles(count, kNoTriangle);
-    for (const auto& source : lights.sources()) {
-        for (std::uint32_t i = 0; i < source.count; ++i) {
-            emitters[source.first + i] = source.emitter;
-            if (source.mesh) triangles[source.first + i] = i;
-        }
-    }
-    emitters_ = dr::load<EmitterPtr>(emitters.data(), count);
-    triangles_ = dr::load<UInt32>(triangles.data(), count);
     std::vector<float> corners[3], areas;
-    for (const auto& [a, b, c, area] : lights.triangles()) {
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const auto& source = lights.source_of(i);
+        emitters[i] = source.emitter;
+        if (source.mesh && i >= source.first) triangles[i] = lights.triangles()[i].index;
+        const auto& [a, b, c] = lights.triangles()[i].corners;
         corners[0].insert(corners[0].end(), {a.x, a.y, a.z});
         corners[1].insert(corners[1].end(), {b.x, b.y, b.z});
         corners[2].insert(corners[2].end(), {c.x, c.y, c.z});
-        areas.push_back(area);
+        areas.push_back(lights.places().area(i));
     }
+    emitters_ = dr::load<EmitterPtr>(emitters.data(), count);
+    triangles_ = dr::load<UInt32>(triangles.data(), count);
     for (int k = 0; k < 3; ++k) corners_[k] = dr::load<Float>(corners[k].data(), corners[k].size());
     areas_ = dr::load<Float>(areas.data(), areas.size());
+    cuts_ = CutTables<Float>(lights.places(), static_cast<std::uint32_t>(count));
     dr::sync_thread();  // the vectors must live until they are copied
 }
 

@@ -74,8 +74,10 @@ class Bounce {
     /// off them, so that only that of later bounces is left, and `derived` is all of it, with
     /// derivatives ([Vicini et al. 2021], path replay).
     void operator()(State& paths, Spectrum* derived = nullptr) const {
-        SurfaceInteraction3f si = find_hits(paths);
-        const Mask sees_emitter = add_emission(paths, si, derived);
+        PreliminaryIntersection3f hit = find_hits(paths);
+        SurfaceInteraction3f si =
+            hit.compute_surface_interaction(paths.ray, +RayFlags::All, paths.active);
+        const Mask sees_emitter = add_emission(paths, si, hit.prim_uv, derived);
         const Mask goes_on = paths.active && paths.depth + 1u < context_.max_depth && si.is_valid();
         if (!context_.hide_emitters) paths.valid |= paths.active && !goes_on && sees_emitter;
         shade(paths, si, goes_on, derived);
@@ -83,7 +85,7 @@ class Bounce {
     }
 
   private:
-    SurfaceInteraction3f find_hits(const State& paths) const {
+    PreliminaryIntersection3f find_hits(const State& paths) const {
         const Mask is_first = paths.depth == 0u;
         PreliminaryIntersection3f hit = context_.scene->ray_intersect_preliminary(
             paths.ray, is_first, false, 0, 0, paths.active);
@@ -95,17 +97,20 @@ class Bounce {
             dr::masked(hit, skip) = context_.integrator->skip_area_emitters(
                 context_.scene, si.spawn_ray(paths.ray.d), true, skip);
         }
-        return hit.compute_surface_interaction(paths.ray, +RayFlags::All, paths.active);
+        return hit;
     }
 
     /// Adds the light of what the rays have hit, or of the environment; says where there was any.
-    Mask add_emission(State& paths, const SurfaceInteraction3f& si, Spectrum* derived) const {
+    Mask add_emission(State& paths, const SurfaceInteraction3f& si, const Point2f& prim_uv,
+                      Spectrum* derived) const {
         const EmitterPtr emitter = si.emitter(context_.scene, paths.active);
         const Mask is_there = emitter != nullptr;
         const Mask shines = paths.active && is_there && paths.bsdf_pdf > 0.0f;
-        const Float weight = dr::select(
-            paths.weigh,
-            mis_weight(paths.bsdf_pdf, light_pdf(paths, si, emitter, shines && paths.weigh)), 1.0f);
+        const Float weight =
+            dr::select(paths.weigh,
+                       mis_weight(paths.bsdf_pdf,
+                                  light_pdf(paths, si, prim_uv, emitter, shines && paths.weigh)),
+                       1.0f);
         const dr::resume_grad<Float> derivatives(derived != nullptr);
         add(paths, shines, paths.throughput * emitter->eval(si, shines) * weight, derived);
         return is_there;
@@ -122,8 +127,8 @@ class Bounce {
     }
 
     /// The density with which the last vertices would have sampled what was hit as a light.
-    Float light_pdf(const State& paths, const SurfaceInteraction3f& si, const EmitterPtr& emitter,
-                    const Mask& weigh) const {
+    Float light_pdf(const State& paths, const SurfaceInteraction3f& si, const Point2f& prim_uv,
+                    const EmitterPtr& emitter, const Mask& weigh) const {
         const DirectionSample3f ds(context_.scene, si, paths.last);
         const auto entry = tables_.find(emitter, weigh);
         const Mask triangle = weigh && entry.kind == Tables::kTriangles;
@@ -135,10 +140,11 @@ class Bounce {
             pdf = dr::select(unplaced, entry.prob, 1.0f) *
                   emitter->pdf_direction(paths.last, ds, whole || unplaced);
         }
-        const UInt32 light = entry.first_light + dr::select(triangle, si.prim_index, 0u);
+        UInt32 light = entry.first_light + dr::select(triangle, si.prim_index, 0u);
         if (tables_.has_triangles()) {
-            dr::masked(pdf, triangle) =
-                triangle_pdf(tables_.area(light, triangle), si.n, ds.d, ds.dist);
+            const auto place = tables_.find_place(light, prim_uv, triangle);
+            dr::masked(light, triangle) = place.light;
+            dr::masked(pdf, triangle) = triangle_pdf(place.density, si.n, ds.d, ds.dist);
         }
         dr::masked(pdf, !(is_light || unplaced)) = 0.0f;
         if (has_choice()) {
@@ -196,7 +202,7 @@ class Bounce {
             const Float random_1 = paths.sampler->next_1d(), random_2 = paths.sampler->next_1d();
             chosen = bvh_.choose(si.p, paths.receiver, random_1, random_2, active);
         }
-        return lights_.sample_chosen(si, chosen, paths.sampler->next_2d(), active);
+        return lights_.sample_chosen(si, chosen, lights_.draw_random(*paths.sampler), active);
     }
 
     Sample sample_unplaced(const State& paths, const SurfaceInteraction3f& si,

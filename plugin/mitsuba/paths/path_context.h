@@ -1,6 +1,7 @@
 #pragma once
 
 #include <lightcull/light_sampler.h>
+#include <lightcull/samplers.h>
 
 #include <mitsuba/render/integrator.h>
 #include <mitsuba/render/scene.h>
@@ -22,6 +23,8 @@ struct PathContext {
     std::uint32_t rr_depth = 0;
     bool hide_emitters = false;
     bool has_lobes = false;  ///< whether a surface has a glossy lobe to tell light_sampler of
+    /// What the light sampler asks of its host, as `paper` does; null: nothing.
+    const ::lightcull::VertexCulling* vertex_culling = nullptr;
 };
 
 }  // namespace mitsuba::culling

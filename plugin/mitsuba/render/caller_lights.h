@@ -14,13 +14,14 @@
 #include "sampler/sampler_description.h"
 #include "scene/scene_lights.h"
 #include "scene/surface_receiver.h"
+#include "volume/scene_media.h"
 
 namespace mitsuba::culling {
 
-/// The lights of the scene, in scalar variants, for paths that another integrator asks for one by
-/// one, from any thread. Nobody says when lights change, so that a thread looks at them again
-/// whenever it comes with another sampler: an integrator takes one for each thread at the start of
-/// a render, and for some blocks.
+/// The lights of the scene, in scalar variants, for paths that are asked for one by one, from any
+/// thread. Where another integrator asks, nobody says when lights change, so that a thread looks at
+/// them again whenever it comes with another sampler: an integrator takes one for each thread at
+/// the start of a render, and for some blocks.
 template <typename Float, typename Spectrum>
 class CallerLights {
   public:
@@ -29,11 +30,12 @@ class CallerLights {
     /// What paths need to know.
     struct Known {
         explicit Known(const Scene* scene)
-            : scene(scene), lights(scene), has_lobes(has_glossy_surfaces(scene)) {}
+            : scene(scene), lights(scene), has_lobes(has_glossy_surfaces(scene)), media(scene) {}
 
         const Scene* scene;
         SceneLights<Float, Spectrum> lights;
         bool has_lobes;
+        SceneMedia media;
         std::shared_ptr<const ReusableSampler> light_sampler;
     };
 
@@ -53,6 +55,24 @@ class CallerLights {
         Asker& asker = askers_[std::this_thread::get_id()];
         asker = {sampler, std::move(known)};
         return *asker.known;
+    }
+
+    /// What paths need to know, for a render that announces itself: for as long as anyone keeps
+    /// what this returns, held() gives it to all threads, and the lights stay as they are now.
+    std::shared_ptr<const Known> hold(const Scene* scene) {
+        if (auto known = held(scene)) return known;
+        auto known = std::make_shared<Known>(scene);
+        const std::unique_lock lock(mutex_);
+        known->light_sampler = light_sampler(known->lights);
+        held_[scene] = known;
+        return known;
+    }
+
+    /// What is held of a scene; null: nothing.
+    std::shared_ptr<const Known> held(const Scene* scene) {
+        const std::shared_lock lock(mutex_);
+        const auto found = held_.find(scene);
+        return found == held_.end() ? nullptr : found->second.lock();
     }
 
   private:
@@ -77,6 +97,7 @@ class CallerLights {
 
     std::shared_mutex mutex_;
     std::unordered_map<std::thread::id, Asker> askers_;
+    std::unordered_map<const Scene*, std::weak_ptr<const Known>> held_;
     std::shared_ptr<const ReusableSampler> light_sampler_;
 };
 

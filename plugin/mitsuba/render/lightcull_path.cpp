@@ -137,6 +137,9 @@ class LightcullPath final : public MonteCarloIntegrator<Float, Spectrum> {
                 take_light_sampler(scene, sensor, lights, size);
             job.light_sampler = reusable.get();
             job.context.light_sampler = &reusable->sampler();
+            if (lights.lights().size() > 1) {
+                job.context.vertex_culling = ::lightcull::vertex_culling(reusable->sampler());
+            }
             if constexpr (dr::is_jit_v<Float>) {
                 render_wavefronts(job);
             } else {
@@ -334,7 +337,7 @@ class LightcullPath final : public MonteCarloIntegrator<Float, Spectrum> {
     /// Says once if lights are not chosen as `light_sampler` asks.
     void say_what_chooses(const SceneLights<Float, Spectrum>& lights) const {
         if (said_what_chooses_ || said_what_chooses_.exchange(true)) return;
-        if (chooses_by_means(description_, lights.lights().size())) return;
+        if (chooses_by_means(description_, lights.lights().size(), lights.uncut_count())) return;
         Log(asks_for_sampler_ ? Warn : Info,
             "lightcull_path: within another integrator and for derivatives, %s chooses lights, not "
             "%s, which needs passes",
@@ -360,7 +363,8 @@ class LightcullPath final : public MonteCarloIntegrator<Float, Spectrum> {
 
     /// Whether lights are chosen within Dr.Jit's kernel.
     bool kernel_chooses(const SceneLights<Float, Spectrum>& lights) const {
-        return dr::is_jit_v<Float> && chooses_by_means(description_, lights.lights().size());
+        return dr::is_jit_v<Float> &&
+               chooses_by_means(description_, lights.lights().size(), lights.uncut_count());
     }
 
     void render_blocks(const Job& job) {

@@ -11,10 +11,11 @@
 namespace mitsuba::culling {
 namespace {
 
-ref<Object> refuse(void*, const Properties&) {
+ref<Object> refuse(void*, const Properties& properties) {
     Throw(
-        "lightcull_path renders in the variants scalar_rgb, scalar_spectral, llvm_ad_rgb and "
-        "llvm_ad_spectral only, not in a mono, polarized or cuda variant");
+        "%s renders in the variants scalar_rgb, scalar_spectral, llvm_ad_rgb and llvm_ad_spectral "
+        "only, not in a mono, polarized or cuda variant",
+        properties.plugin_name());
 }
 
 }  // namespace

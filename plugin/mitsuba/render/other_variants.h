@@ -6,7 +6,7 @@
 
 namespace mitsuba::culling {
 
-/// Registers, for each variant of Mitsuba in which lightcull_path cannot render, a plugin that
+/// Registers, for each variant of Mitsuba in which lightcull's cannot render, a plugin that
 /// throws and says so.
 void register_refusals(std::string_view name, PluginRegisterFn register_variant);
 

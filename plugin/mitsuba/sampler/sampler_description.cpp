@@ -28,17 +28,10 @@ std::string error_bound(const Properties& properties) {
     return digits(properties.get<double>(kName));
 }
 
-/// Throws for what make_sampler() would refuse, and for a sampler that this integrator is no host
-/// for.
+/// Throws for what make_sampler() would refuse.
 void check(const std::string& description) {
     try {
-        const ::lightcull::SamplerSpec spec = ::lightcull::parse_sampler(description);
-        const auto* paper = std::get_if<::lightcull::PaperOptions>(&spec);
-        if (paper != nullptr && paper->range_at_vertex) {
-            Throw(
-                "lightcull_path: light_sampler \"%s\" tests ranges at vertices, wanted test=light",
-                description);
-        }
+        ::lightcull::parse_sampler(description);
     } catch (const ::lightcull::Error& error) {
         Throw("lightcull_path: %s", error.what());
     }
@@ -61,19 +54,20 @@ std::string sampler_description(const Properties& properties) {
     return description;
 }
 
-bool chooses_by_means(const std::string& description, std::size_t light_count) {
+bool chooses_by_means(const std::string& description, std::size_t light_count,
+                      std::size_t uncut_count) {
     if (light_count < 2) return true;
     const ::lightcull::SamplerSpec spec = ::lightcull::parse_sampler(description);
     if (const auto* bvh = std::get_if<::lightcull::LightBvhOptions>(&spec)) {
         return bvh->importance == ::lightcull::ClusterImportance::kMeans;
     }
     constexpr std::size_t kFew = 64;
-    if (light_count > kFew) return false;
+    if (uncut_count > kFew) return false;
     if (const auto* culled = std::get_if<::lightcull::CulledOptions>(&spec)) {
         // All lights are accepted, unless their ranges are given.
         constexpr float kAllOfMore = 4.0f;
         return !culled->range.error_bound &&
-               static_cast<float>(light_count) <= kAllOfMore * culled->range.expected_accepted;
+               static_cast<float>(uncut_count) <= kAllOfMore * culled->range.expected_accepted;
     }
     return std::holds_alternative<::lightcull::LearnedOptions>(spec);
 }

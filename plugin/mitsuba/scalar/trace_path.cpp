@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "arrays/variants.h"
+#include "paths/draw_place.h"
 #include "paths/mis_weight.h"
 #include "scene/surface_receiver.h"
 #include "scene/triangle_pdf.h"
@@ -43,7 +44,7 @@ class ScalarPath {
         if (context_.hide_emitters) hit = behind_emitters(hit);
         while (true) {
             si_ = hit.compute_surface_interaction(ray_, +RayFlags::All);
-            add_emission();
+            add_emission(hit.prim_uv);
             if (depth_ + 1 >= context_.max_depth || !si_.is_valid()) {
                 valid_ |= si_.emitter(context_.scene) != nullptr && !context_.hide_emitters;
                 break;
@@ -66,27 +67,27 @@ class ScalarPath {
     }
 
     /// Adds the light of what the ray has hit, or of the environment.
-    void add_emission() {
+    void add_emission(const Point2f& prim_uv) {
         const Emitter* emitter = si_.emitter(context_.scene);
         if (!emitter || !(bsdf_pdf_ > 0.0f)) return;
         const Spectrum radiance = emitter->eval(si_);
-        const Float weight = weigh_ ? mis_weight(bsdf_pdf_, light_pdf(emitter)) : Float(1.0f);
+        const Float weight =
+            weigh_ ? mis_weight(bsdf_pdf_, light_pdf(emitter, prim_uv)) : Float(1.0f);
         result_ += throughput_ * radiance * weight;
     }
 
     /// The density with which the last vertex would have sampled what was hit as a light.
-    Float light_pdf(const Emitter* emitter) const {
+    Float light_pdf(const Emitter* emitter, const Point2f& prim_uv) const {
         const DirectionSample3f ds(context_.scene, si_, last_);
         const auto* source = context_.lights->find(emitter);
         if (!source) {
             const Float prob = context_.lights->unplaced_prob(emitter);
             return prob > 0.0f ? prob * emitter->pdf_direction(last_, ds) : 0.0f;
         }
-        const std::uint32_t light = source->first + (source->mesh ? si_.prim_index : 0);
-        const Float select_prob = prob(light);
-        if (!source->mesh) return select_prob * emitter->pdf_direction(last_, ds);
-        const Float area = context_.lights->triangles()[light].area;
-        return select_prob * triangle_pdf(area, si_.n, ds.d, ds.dist);
+        if (!source->mesh) return prob(source->first) * emitter->pdf_direction(last_, ds);
+        const auto [light, density] = context_.lights->places().find(source->first + si_.prim_index,
+                                                                     {prim_uv.x(), prim_uv.y()});
+        return prob(light) * triangle_pdf(density, si_.n, ds.d, ds.dist);
     }
 
     /// Adds direct light at si_, and scatters the path; false if it ends here.
@@ -142,9 +143,12 @@ class ScalarPath {
         if (!(selection_.prob > 0.0f)) return;
         const auto& source = context_.lights->source_of(selection_.light);
         const Float mis_prob = selection_.mis_prob;
+        const auto select_prob = [this](const Point3f& p) {
+            return selection_.prob * vertex_prob(p);
+        };
         const Arrival arrival = source.mesh
                                     ? add_triangle(bsdf, source, mis_prob)
-                                    : add_whole(bsdf, source.emitter, selection_.prob, mis_prob);
+                                    : add_whole(bsdf, source.emitter, select_prob, mis_prob);
         if (arrival) report(*arrival);
     }
 
@@ -161,31 +165,47 @@ class ScalarPath {
     Arrival add_triangle(const BSDF* bsdf,
                          const typename SceneLights<Float, Spectrum>::Source& source,
                          Float mis_prob) {
-        const auto& [a, b, c, area] = context_.lights->triangles()[selection_.light];
-        const Point2f uv = warp::square_to_uniform_triangle(sampler_->next_2d());
+        const auto& [index, corners] = context_.lights->triangles()[selection_.light];
+        const auto& [a, b, c] = corners;
+        const auto [place, density] =
+            draw_place(context_.lights->places(), selection_.light, sampler_);
+        const Point2f uv(place.x, place.y);
         const Point3f p0(a.x, a.y, a.z), p1(b.x, b.y, b.z), p2(c.x, c.y, c.z);
         const Point3f p = p0 * (1.0f - uv.x() - uv.y()) + p1 * uv.x() + p2 * uv.y();
         const Vector3f way = p - si_.p;
         const Float distance = dr::norm(way);
         if (!(distance > 0.0f)) return {};
         const Vector3f direction = way / distance;
-        SurfaceInteraction3f at =
-            triangle_point<Float, Spectrum>(source.mesh, selection_.light - source.first, uv);
+        SurfaceInteraction3f at = triangle_point<Float, Spectrum>(source.mesh, index, uv);
         at.wi = at.to_local(-direction);
         at.wavelengths = ray_.wavelengths;
         at.time = ray_.time;
         const Spectrum radiance = source.emitter->eval(at);
-        const Float pdf = triangle_pdf(area, at.n, direction, distance);
+        const Float pdf = triangle_pdf(density, at.n, direction, distance);
         if (!std::isfinite(pdf) || dr::all(unpolarized_spectrum(radiance) == 0.0f)) return {};
-        const Spectrum weight = radiance / (selection_.prob * pdf);
+        const Float select_prob = selection_.prob * vertex_prob(p);
+        if (!(select_prob > 0.0f)) return {};
+        const Spectrum weight = radiance / (select_prob * pdf);
         return add_if_visible(bsdf, p, direction, weight, mis_prob * pdf, false);
     }
 
-    /// Adds light from an emitter that Mitsuba samples.
-    Arrival add_whole(const BSDF* bsdf, const Emitter* emitter, Float select_prob, Float mis_prob) {
+    /// The part of the selected light's probability that depends on the place on it.
+    Float vertex_prob(const Point3f& p) const {
+        if (!context_.vertex_culling) return 1.0f;
+        return context_.vertex_culling->vertex_prob(point_, selection_.receipt, selection_.light,
+                                                    to_float3(p));
+    }
+
+    /// Adds light from an emitter that Mitsuba samples. select_prob(p): with what probability it is
+    /// selected, if p is sampled on it.
+    template <typename SelectProb>
+    Arrival add_whole(const BSDF* bsdf, const Emitter* emitter, const SelectProb& select_prob,
+                      Float mis_prob) {
         const auto [ds, weight] = emitter->sample_direction(si_, sampler_->next_2d());
         if (!(ds.pdf > 0.0f)) return {};
-        return add_if_visible(bsdf, ds.p, ds.d, weight / select_prob, mis_prob * ds.pdf, ds.delta);
+        const Float prob = select_prob(ds.p);
+        if (!(prob > 0.0f)) return {};
+        return add_if_visible(bsdf, ds.p, ds.d, weight / prob, mis_prob * ds.pdf, ds.delta);
     }
 
     /// Adds light from one of the emitters without a place.
@@ -199,8 +219,10 @@ class ScalarPath {
                 u -= unplaced[chosen++].prob;
             }
         }
-        const auto& [emitter, prob] = unplaced[chosen];
-        add_whole(bsdf, emitter, prob, prob);
+        const auto& unplaced_emitter = unplaced[chosen];
+        const Float prob = unplaced_emitter.prob;
+        add_whole(
+            bsdf, unplaced_emitter.emitter, [prob](const Point3f&) { return prob; }, prob);
     }
 
     /// Adds light from a sample if nothing hides it: `weight` is its radiance divided by its

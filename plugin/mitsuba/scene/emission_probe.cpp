@@ -1,13 +1,17 @@
 #include "scene/emission_probe.h"
 
 #include <mitsuba/core/warp.h>
+#include <mitsuba/render/texture.h>
 
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <string_view>
+#include <typeinfo>
 
 #include "arrays/evaluate.h"
 #include "arrays/variants.h"
+#include "scene/emission_lattice.h"
 #include "scene/triangle_point.h"
 
 namespace mitsuba::culling {
@@ -65,6 +69,41 @@ std::array<Float, 2> both_sides(const Emitter<Float, Spectrum>* emitter,
     return result;
 }
 
+/// Looks for the texture of an emitter.
+template <typename Float, typename Spectrum>
+class TexelCounter final : public TraversalCallback {
+  public:
+    float texels = 0.0f;
+
+  protected:
+    void put_object(std::string_view, Object* object, std::uint32_t) override {
+        auto* const texture = dynamic_cast<Texture<Float, Spectrum>*>(object);
+        if (texture == nullptr) return;
+        const auto size = texture->resolution();
+        // Those without texels say that they have one.
+        if (dr::prod(size) == 1) return;
+        scale_ = 1.0f;
+        texture->traverse(this);
+        texels = std::max(texels, scale_ * static_cast<float>(dr::max(size)));
+    }
+    void put_value(std::string_view name, void* value, std::uint32_t,
+                   const std::type_info& type) override {
+        using Transform = AffineTransform<Point<Float, 3>>;
+        if (name != "to_uv" || type != typeid(Transform)) return;
+        const auto& matrix = static_cast<const Transform*>(value)->matrix;
+        const auto scale = evaluate<1, Float>(1, [&](const auto&) {
+            const auto length = [&](std::size_t column) {
+                return dr::sqrt(dr::square(matrix(0, column)) + dr::square(matrix(1, column)));
+            };
+            return std::array<Float, 1>{dr::maximum(length(0), length(1))};
+        });
+        scale_ = scale[0][0];
+    }
+
+  private:
+    float scale_ = 1.0f;
+};
+
 float mean(const float* values, std::size_t count) {
     double sum = 0.0;
     for (std::size_t i = 0; i < count; ++i) sum += static_cast<double>(values[i]);
@@ -95,6 +134,49 @@ std::vector<Emission> EmissionProbe<Float, Spectrum>::triangles(const Mesh* mesh
         result[i] = {mean(&radiance[0][first], points), mean(&radiance[1][first], points)};
     }
     return result;
+}
+
+template <typename Float, typename Spectrum>
+std::vector<float> EmissionProbe<Float, Spectrum>::lattices(
+    const Mesh* mesh, const std::vector<std::uint32_t>& triangles, std::uint32_t size) const {
+    using UInt32 = dr::uint32_array_t<Float>;
+    const Lookup<UInt32> index(triangles);
+    const std::uint32_t middles = size * size;
+    const auto places = static_cast<std::uint32_t>(EmissionLattice::count(size));
+    const auto count = static_cast<std::uint32_t>(triangles.size()) * places;
+    // The same wavelengths everywhere, so that they make nothing uneven.
+    constexpr std::uint32_t kShifts = is_spectral_v<Spectrum> ? 4 : 1;
+    std::vector<float> sums(count, 0.0f);
+    for (std::uint32_t shift = 0; shift < kShifts; ++shift) {
+        const auto radiance = evaluate<2, Float>(count, [&](const auto& lane) {
+            const UInt32 triangle = lane / places, place = lane - triangle * places;
+            const auto is_corner = place >= middles;
+            const UInt32 edge = dr::select(is_corner, UInt32(size + 1), UInt32(size));
+            const UInt32 number = dr::select(is_corner, place - middles, place);
+            const UInt32 row = number / edge, column = number - row * edge;
+            const Float offset =
+                dr::select(is_corner, Float(0.0f), Float(EmissionLattice::kOffset));
+            const Point2f uv((to_float<Float>(column) + offset) / static_cast<float>(size),
+                             (to_float<Float>(row) + offset) / static_cast<float>(size));
+            // Corners beyond the triangle are mirrored, too, so that they are on it.
+            const Point2f inside = dr::select(uv.x() + uv.y() > 1.0f, 1.0f - uv, uv);
+            SurfaceInteraction3f si =
+                triangle_point<Float, Spectrum>(mesh, index[triangle], inside);
+            si.wavelengths = wavelengths<Float, Spectrum>(Float(static_cast<float>(shift)));
+            return both_sides<Float, Spectrum>(emitter_, si);
+        });
+        for (std::size_t i = 0; i < count; ++i) {
+            sums[i] += std::max(radiance[0][i], radiance[1][i]) / static_cast<float>(kShifts);
+        }
+    }
+    return sums;
+}
+
+template <typename Float, typename Spectrum>
+float EmissionProbe<Float, Spectrum>::texels() const {
+    TexelCounter<Float, Spectrum> counter;
+    const_cast<Emitter*>(emitter_)->traverse(&counter);
+    return counter.texels;
 }
 
 template <typename Float, typename Spectrum>

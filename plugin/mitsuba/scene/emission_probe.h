@@ -42,6 +42,18 @@ class EmissionProbe {
     /// The emission of each triangle of the emitter's mesh.
     std::vector<Emission> triangles(const Mesh* mesh) const;
 
+    /// The radiance of some triangles of the emitter's mesh, the larger one of both sides, at the
+    /// places of an EmissionLattice each.
+    std::vector<float> lattices(const Mesh* mesh, const std::vector<std::uint32_t>& triangles,
+                                std::uint32_t size) const;
+
+    /// How many texels of the emitter's texture there are to a unit of texture coordinates, along
+    /// the axis with more; 0 if it has none with texels.
+    float texels() const;
+
+    /// Whether the emission varies from place to place.
+    bool varies() const { return has_flag(emitter_->flags(), EmitterFlags::SpatiallyVarying); }
+
     /// The emission of the emitter's shape, by points sampled on it.
     Emission shape() const;
 
@@ -59,8 +71,6 @@ class EmissionProbe {
   private:
     float mean_of_samples(const ScalarPoint3f& point) const;
     float mean_of_environment() const;
-
-    bool varies() const { return has_flag(emitter_->flags(), EmitterFlags::SpatiallyVarying); }
 
     const Emitter* emitter_;
 };

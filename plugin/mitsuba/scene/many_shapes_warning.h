@@ -13,14 +13,19 @@ template <typename Scene>
 void warn_of_many_shapes(const Scene* scene) {
     constexpr std::size_t kMany = 500;
     static std::atomic<bool> warned{false};
-    std::size_t count = 0;
-    for (const auto& emitter : scene->emitters()) count += emitter->shape() != nullptr;
+    std::size_t count = 0, others = 0;
+    for (const auto& emitter : scene->emitters()) {
+        if (!emitter->shape()) continue;
+        ++count;
+        others += emitter->shape()->is_mesh() ? 0 : 1;
+    }
     if (count <= kMany || warned.exchange(true)) return;
     Log(Warn,
         "The scene has %u shapes that emit. In LLVM variants the time of a render grows with the "
         "square of their number: merge them into one mesh by "
-        "lightcull.mitsuba.merge_emitters(scene_dict).",
-        count);
+        "lightcull.mitsuba.merge_emitters(scene_dict). It leaves what is no mesh, as %u of them "
+        "are: write spheres as meshes of few triangles.",
+        count, others);
 }
 
 }  // namespace mitsuba::culling

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "arrays/evaluate.h"
 #include "arrays/variants.h"
@@ -14,6 +15,7 @@ namespace {
 
 using ::lightcull::float3;
 using ::lightcull::Light;
+using ::lightcull::TriangleCorners;
 
 bool finite(const float3& v) {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
@@ -25,6 +27,48 @@ std::string name_of(const Emitter* emitter) {
     std::string name = "emitter \"" + std::string(emitter->id()) + "\"";
     if (emitter->shape()) name += " of shape \"" + std::string(emitter->shape()->id()) + "\"";
     return name;
+}
+
+/// The corners of all triangles of a mesh.
+template <typename Float, typename Spectrum>
+std::vector<TriangleCorners> corners_of(const Mesh<Float, Spectrum>* mesh) {
+    const std::size_t count = mesh->face_count();
+    const auto positions =
+        to_host<float>(mesh->vertex_positions_buffer(), 3 * std::size_t{mesh->vertex_count()});
+    const auto corners = to_host<std::uint32_t>(mesh->faces_buffer(), 3 * count);
+    const auto corner = [&](std::size_t i) {
+        const float* p = &positions[3 * std::size_t{corners[i]}];
+        return float3{p[0], p[1], p[2]};
+    };
+    std::vector<TriangleCorners> triangles(count);
+    for (std::size_t i = 0; i < count; ++i) {
+        triangles[i] = {corner(3 * i), corner(3 * i + 1), corner(3 * i + 2)};
+    }
+    return triangles;
+}
+
+float area_of(const TriangleCorners& t) {
+    return ::lightcull::triangle_light(t.a, t.b, t.c, 1.0f).intensity;
+}
+
+/// The light that is a triangle, or a part of one: it faces the way of `axis`.
+Light light_of(const TriangleCorners& t, const float3& axis, float radiance, bool two_sided) {
+    Light light = ::lightcull::triangle_light(t.a, t.b, t.c, radiance, two_sided);
+    const float3 n = light.axis;
+    if (n.x * axis.x + n.y * axis.y + n.z * axis.z < 0.0f) light.axis = {-n.x, -n.y, -n.z};
+    return light;
+}
+
+float3 place_of(const TriangleCorners& t, const ::lightcull::float2& at) {
+    const auto along = [&](float a, float b, float c) {
+        return a + (b - a) * at.x + (c - a) * at.y;
+    };
+    return {along(t.a.x, t.b.x, t.c.x), along(t.a.y, t.b.y, t.c.y), along(t.a.z, t.b.z, t.c.z)};
+}
+
+template <typename Shape>
+bool is_rectangle(const Shape* shape) {
+    return shape->shape_type() == +ShapeType::Rectangle;
 }
 
 /// Which way each triangle of a mesh faces, and how far its shading normals turn from that.
@@ -67,6 +111,8 @@ SceneLights<Float, Spectrum>::SceneLights(const Scene* scene) {
     float weights = 0.0f;
     for (const Unplaced& unplaced : unplaced_) weights += unplaced.prob;
     for (Unplaced& unplaced : unplaced_) unplaced.prob /= weights;
+    uncut_count_ = lights_.size();
+    cut(scene);
 }
 
 template <typename Float, typename Spectrum>
@@ -85,9 +131,8 @@ void SceneLights<Float, Spectrum>::add(const Emitter* emitter) {
                             !has_flag(flags, EmitterFlags::DeltaDirection);
     if (is_surface) {
         // A rectangle is a mesh to Mitsuba, but not to those who sample it.
-        const bool is_rectangle = emitter->shape()->shape_type() == +ShapeType::Rectangle;
         const auto* mesh = dynamic_cast<const Mesh*>(emitter->shape());
-        mesh && !is_rectangle ? add_mesh(emitter, mesh) : add_shape(emitter);
+        mesh && !is_rectangle(mesh) ? add_mesh(emitter, mesh) : add_shape(emitter);
     } else if (has_flag(flags, EmitterFlags::DeltaPosition) && emitter->bbox().valid()) {
         add_point(emitter);
     } else if (has_flag(flags, EmitterFlags::Infinite) &&
@@ -101,32 +146,21 @@ void SceneLights<Float, Spectrum>::add(const Emitter* emitter) {
 template <typename Float, typename Spectrum>
 void SceneLights<Float, Spectrum>::add_mesh(const Emitter* emitter, const Mesh* mesh) {
     const std::size_t first = lights_.size();
-    const std::uint32_t count = mesh->face_count();
-    const auto positions =
-        to_host<float>(mesh->vertex_positions_buffer(), 3 * std::size_t{mesh->vertex_count()});
-    const auto corners = to_host<std::uint32_t>(mesh->faces_buffer(), 3 * std::size_t{count});
+    const std::vector<TriangleCorners> triangles = corners_of(mesh);
     const auto emission = EmissionProbe<Float, Spectrum>(emitter).triangles(mesh);
     const Facing facing = facing_of<Float, Spectrum>(mesh);
-    const auto corner = [&](std::size_t i) {
-        const float* p = &positions[3 * std::size_t{corners[i]}];
-        return float3{p[0], p[1], p[2]};
-    };
-    for (std::uint32_t i = 0; i < count; ++i) {
-        Triangle triangle{corner(3 * std::size_t{i}), corner(3 * std::size_t{i} + 1),
-                          corner(3 * std::size_t{i} + 2), 0.0f};
+    for (std::uint32_t i = 0; i < triangles.size(); ++i) {
+        auto [a, b, c] = triangles[i];
         const auto [front, back] = emission[i];
-        float3 b = triangle.b, c = triangle.c;
         if ((facing.side[i] < 0.0f) != (front == 0.0f && back > 0.0f)) std::swap(b, c);
         const bool two_sided = front > 0.0f && back > 0.0f;
-        Light light =
-            ::lightcull::triangle_light(triangle.a, b, c, std::max(front, back), two_sided);
+        Light light = ::lightcull::triangle_light(a, b, c, std::max(front, back), two_sided);
         // Light leaves by the shading normal's side. A cosine of 1 would say that it is flat.
         constexpr float kFlat = 0.9999f;
         if (facing.cos_spread[i] < kFlat) {
             light.cos_theta_o = facing.cos_spread[i] > 0.0f ? facing.cos_spread[i] : -1.0f;
         }
-        triangle.area = ::lightcull::triangle_light(triangle.a, b, c, 1.0f).intensity;
-        add_light(emitter, light, triangle);
+        add_light(emitter, light, {i, triangles[i]}, area_of(triangles[i]));
     }
     close_source(emitter, mesh, first);
 }
@@ -162,7 +196,7 @@ void SceneLights<Float, Spectrum>::add_shape(const Emitter* emitter) {
                                            radiance * area * dr::Pi<float>);
     }
     if (type == +ShapeType::Sphere) light.radius = 0.5f * (high.x - low.x);
-    add_light(emitter, light, {});
+    add_light(emitter, light);
     close_source(emitter, nullptr, first);
 }
 
@@ -175,12 +209,10 @@ void SceneLights<Float, Spectrum>::add_point(const Emitter* emitter) {
         return;
     }
     const std::size_t first = lights_.size();
-    add_light(emitter,
-              emission.inner < dr::Pi<float>
-                  ? ::lightcull::spot_light(emission.position, emission.axis, emission.peak,
-                                            emission.inner, emission.outer)
-                  : ::lightcull::point_light(emission.position, emission.peak),
-              {});
+    add_light(emitter, emission.inner < dr::Pi<float>
+                           ? ::lightcull::spot_light(emission.position, emission.axis,
+                                                     emission.peak, emission.inner, emission.outer)
+                           : ::lightcull::point_light(emission.position, emission.peak));
     close_source(emitter, nullptr, first);
 }
 
@@ -189,31 +221,33 @@ void SceneLights<Float, Spectrum>::add_directional(const Emitter* emitter) {
     const DirectionalEmission emission =
         EmissionProbe<Float, Spectrum>(emitter).directional(middle_);
     const std::size_t first = lights_.size();
-    add_light(emitter, ::lightcull::directional_light(emission.direction, emission.irradiance), {});
+    add_light(emitter, ::lightcull::directional_light(emission.direction, emission.irradiance));
     close_source(emitter, nullptr, first);
 }
 
 template <typename Float, typename Spectrum>
 void SceneLights<Float, Spectrum>::add_unplaced(const Emitter* emitter) {
     if (!EmissionProbe<Float, Spectrum>(emitter).can_be_sampled(middle_)) {
-        Throw("lightcull_path: %s: its radiance or place is not finite", name_of(emitter));
+        Throw("lightcull: %s: its radiance or place is not finite", name_of(emitter));
     }
     unplaced_.push_back({emitter, emitter->sampling_weight()});
 }
 
 template <typename Float, typename Spectrum>
 void SceneLights<Float, Spectrum>::add_light(const Emitter* emitter, const Light& light,
-                                             const Triangle& triangle) {
-    if (!finite(triangle.a) || !finite(triangle.b) || !finite(triangle.c) ||
-        !finite(light.center) || !std::isfinite(light.radius)) {
-        Throw("lightcull_path: %s: its geometry is not finite", name_of(emitter));
+                                             const Triangle& triangle, float area) {
+    const auto& [a, b, c] = triangle.corners;
+    if (!finite(a) || !finite(b) || !finite(c) || !finite(light.center) ||
+        !std::isfinite(light.radius)) {
+        Throw("lightcull: %s: its geometry is not finite", name_of(emitter));
     }
     if (!std::isfinite(light.intensity)) {
-        Throw("lightcull_path: %s: its radiance is not finite", name_of(emitter));
+        Throw("lightcull: %s: its radiance is not finite", name_of(emitter));
     }
     source_of_.push_back(static_cast<std::uint32_t>(sources_.size()));
     lights_.push_back(light);
     triangles_.push_back(triangle);
+    places_.add(area);
 }
 
 template <typename Float, typename Spectrum>
@@ -222,6 +256,106 @@ void SceneLights<Float, Spectrum>::close_source(const Emitter* emitter, const Me
     index_[emitter] = static_cast<std::uint32_t>(sources_.size());
     sources_.push_back({emitter, mesh, static_cast<std::uint32_t>(first),
                         static_cast<std::uint32_t>(lights_.size() - first)});
+}
+
+template <typename Float, typename Spectrum>
+void SceneLights<Float, Spectrum>::cut(const Scene* scene) {
+    const ::lightcull::CutLimits limits = ::lightcull::cut_limits(lights_);
+    std::vector<Candidate> found = candidates(limits.least_flux);
+    if (!found.empty()) take_parts(found, cut_triangles(scene, found, limits));
+}
+
+/// The triangles, halves of rectangles among them, that may be worth a cut.
+template <typename Float, typename Spectrum>
+auto SceneLights<Float, Spectrum>::candidates(double least_flux) const -> std::vector<Candidate> {
+    std::vector<Candidate> found;
+    for (const Source& source : sources_) {
+        // A texture may shine where the probe has not looked.
+        constexpr std::uint32_t kFew = 1024;
+        const bool all =
+            source.count <= kFew && EmissionProbe<Float, Spectrum>(source.emitter).varies();
+        const auto is_worth_it = [&](std::uint32_t light) {
+            return all || static_cast<double>(lights_[light].intensity) > least_flux;
+        };
+        const auto consider = [&](const Mesh* mesh, std::uint32_t index, std::uint32_t light,
+                                  const TriangleCorners& corners, float area) {
+            const Light& of = lights_[light];
+            if (!is_worth_it(light) || !(area > 0.0f)) return;
+            found.push_back({source.emitter, mesh, index, light, corners, of.axis, of.two_sided,
+                             of.intensity / area});
+        };
+        if (source.mesh) {
+            for (std::uint32_t i = 0; i < source.count; ++i) {
+                const std::uint32_t light = source.first + i;
+                consider(source.mesh, i, light, triangles_[light].corners, places_.area(light));
+            }
+        } else if (source.emitter->shape() && is_rectangle(source.emitter->shape()) &&
+                   is_worth_it(source.first)) {
+            const auto* mesh = dynamic_cast<const Mesh*>(source.emitter->shape());
+            const auto halves = corners_of(mesh);
+            const float area = area_of(halves[0]) + area_of(halves[1]);
+            for (std::uint32_t i = 0; i < 2; ++i) consider(mesh, i, source.first, halves[i], area);
+        }
+    }
+    return found;
+}
+
+/// Makes two triangles of a rectangle, which goes on as a light that does not shine.
+template <typename Float, typename Spectrum>
+void SceneLights<Float, Spectrum>::open_rectangle(Candidate* halves) {
+    const std::uint32_t whole = halves[0].light;
+    const auto first = static_cast<std::uint32_t>(lights_.size());
+    const std::uint32_t number = source_of_[whole];
+    for (std::uint32_t i = 0; i < 2; ++i) {
+        Candidate& half = halves[i];
+        half.light = first + i;
+        lights_.push_back(light_of(half.corners, half.normal, half.radiance, half.two_sided));
+        triangles_.push_back({half.triangle, half.corners});
+        places_.add(area_of(half.corners));
+        source_of_.push_back(number);
+    }
+    lights_[whole].intensity = 0.0f;
+    sources_[number].mesh = halves[0].mesh;
+    sources_[number].first = first;
+    sources_[number].count = 2;
+}
+
+template <typename Float, typename Spectrum>
+void SceneLights<Float, Spectrum>::take_parts(std::vector<Candidate>& candidates,
+                                              ::lightcull::TriangleCuts cuts) {
+    for (std::uint32_t i = 0; i + 1 < candidates.size(); ++i) {
+        const bool is_open =
+            !source_of(candidates[i].light).mesh && (cuts.is_cut(i) || cuts.is_cut(i + 1));
+        if (is_open && candidates[i].light == candidates[i + 1].light) {
+            open_rectangle(&candidates[i]);
+        }
+    }
+    places_.take(std::move(cuts));
+    const auto parts = places_.cuts().parts();
+    for (std::uint32_t i = 0; i < parts.size(); ++i) {
+        const std::uint32_t triangle = parts[i].triangle;
+        const Candidate& candidate = candidates[triangle];
+        std::uint32_t light = candidate.light;
+        const bool is_whole = !places_.cuts().is_cut(triangle);
+        // What is known of a whole rectangle stays.
+        if (is_whole && !(places_.area(light) > 0.0f)) continue;
+        const bool is_first = i == 0 || parts[i - 1].triangle != triangle;
+        if (is_first && !is_whole) places_.set_triangle(light, triangle);
+        if (!is_first) {
+            light = static_cast<std::uint32_t>(lights_.size());
+            lights_.emplace_back();
+            triangles_.push_back(triangles_[candidate.light]);
+            places_.add(places_.area(candidate.light));
+            source_of_.push_back(source_of_[candidate.light]);
+        }
+        const auto& [a, b, c] = parts[i].corners.corners;
+        const TriangleCorners& whole = candidate.corners;
+        const float spread = lights_[candidate.light].cos_theta_o;
+        lights_[light] = light_of({place_of(whole, a), place_of(whole, b), place_of(whole, c)},
+                                  candidate.normal, parts[i].radiance, candidate.two_sided);
+        lights_[light].cos_theta_o = spread;
+        if (!is_whole) places_.set_part(light, i);
+    }
 }
 
 #define INSTANTIATE(Float, Spectrum) template class SceneLights<Float, Spectrum>;

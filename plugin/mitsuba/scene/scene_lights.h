@@ -4,20 +4,25 @@
 
 #include <mitsuba/render/scene.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <unordered_map>
 #include <vector>
+
+#include "scene/cut_triangles.h"
+#include "scene/triangle_places.h"
 
 namespace mitsuba::culling {
 
 /// The lights of a Mitsuba scene as lightcull's samplers know them, and the way back from a light
 /// to the emitter that it is, or is part of.
 ///
-/// A triangle of an emitting mesh is a light; a shape of any other kind, a point, a spot and a
-/// directional emitter are one light each. Emitters without bounds or a place (environments), and
-/// points that the probe did not see emit, are no lights: they are `unplaced`, and chosen by their
-/// sampling weight alone. An emitter of sampling weight 0 is neither: as in Mitsuba, it is only
-/// ever hit.
+/// A triangle of an emitting mesh is a light, or several, where it is long or its emission uneven;
+/// a shape of any other kind, a point, a spot and a directional emitter are one light each, but for
+/// rectangles that are cut, which become triangles. Emitters without bounds or a place
+/// (environments), and points that the probe did not see emit, are no lights: they are `unplaced`,
+/// and chosen by their sampling weight alone. An emitter of sampling weight 0 is neither: as in
+/// Mitsuba, it is only ever hit.
 template <typename Float, typename Spectrum>
 class SceneLights {
   public:
@@ -27,19 +32,19 @@ class SceneLights {
     struct Source {
         const Emitter* emitter = nullptr;
         const Mesh* mesh = nullptr;  ///< its triangles are the lights; null: it is one light
-        std::uint32_t first = 0;     ///< index of its first light
-        std::uint32_t count = 0;     ///< number of its lights, which follow each other
+        std::uint32_t first = 0;     ///< index of its first light; those of triangles follow each
+                                     ///< other, and further parts of triangles come last of all
+        std::uint32_t count = 0;     ///< number of its lights, but for further parts of triangles
     };
     /// An emitter that is chosen by its weight.
     struct Unplaced {
         const Emitter* emitter = nullptr;
         float prob = 0.0f;  ///< of being chosen among the unplaced, [0, 1]
     };
-    /// The corners of a light that is a triangle (metres, in the order that the mesh has them in),
-    /// and its area; all 0 for any other light.
+    /// The triangle that a light is, or is a part of.
     struct Triangle {
-        ::lightcull::float3 a, b, c;
-        float area = 0.0f;
+        std::uint32_t index = 0;                 ///< index in the mesh
+        ::lightcull::TriangleCorners corners{};  ///< metres, in the order that the mesh has them in
     };
 
     /// Asks each emitter of the scene. Throws for one whose bounds or radiance are not finite, and
@@ -47,7 +52,11 @@ class SceneLights {
     explicit SceneLights(const Scene* scene);
 
     const std::vector<::lightcull::Light>& lights() const { return lights_; }
+    /// The number of lights that there would be if no triangle were cut.
+    std::size_t uncut_count() const { return uncut_count_; }
+    /// By light; for a light that is no triangle they mean nothing.
     const std::vector<Triangle>& triangles() const { return triangles_; }
+    const TrianglePlaces& places() const { return places_; }
     const std::vector<Source>& sources() const { return sources_; }
     const std::vector<Unplaced>& unplaced() const { return unplaced_; }
 
@@ -70,12 +79,21 @@ class SceneLights {
     void add_directional(const Emitter* emitter);
     void add_unplaced(const Emitter* emitter);
     void add_light(const Emitter* emitter, const ::lightcull::Light& light,
-                   const Triangle& triangle);
+                   const Triangle& triangle = {}, float area = 0.0f);
     void close_source(const Emitter* emitter, const Mesh* mesh, std::size_t first);
+
+    // Cutting triangles.
+    using Candidate = CutCandidate<Float, Spectrum>;
+    void cut(const Scene* scene);
+    std::vector<Candidate> candidates(double least_flux) const;
+    void open_rectangle(Candidate* halves);
+    void take_parts(std::vector<Candidate>& candidates, ::lightcull::TriangleCuts cuts);
 
     ScalarPoint3f middle_;  // of the scene's bounds
     std::vector<::lightcull::Light> lights_;
+    std::size_t uncut_count_ = 0;
     std::vector<Triangle> triangles_;
+    TrianglePlaces places_;
     std::vector<std::uint32_t> source_of_;
     std::vector<Source> sources_;
     std::vector<Unplaced> unplaced_;

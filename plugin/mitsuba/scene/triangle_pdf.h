@@ -4,12 +4,12 @@
 
 namespace mitsuba::culling {
 
-/// The solid angle density (1/sr) of a point sampled uniformly on a triangle of `area` and unit
-/// `normal`, seen from `distance` away along the unit `direction`.
+/// The solid angle density (1/sr) of a point that is sampled on a triangle of unit `normal` with
+/// `density` by area (1/m^2), seen from `distance` away along the unit `direction`.
 template <typename Float, typename Normal, typename Vector>
-Float triangle_pdf(const Float& area, const Normal& normal, const Vector& direction,
+Float triangle_pdf(const Float& density, const Normal& normal, const Vector& direction,
                    const Float& distance) {
-    return drjit::square(distance) / (area * drjit::abs(drjit::dot(normal, direction)));
+    return density * drjit::square(distance) / drjit::abs(drjit::dot(normal, direction));
 }
 
 }  // namespace mitsuba::culling

@@ -4,6 +4,16 @@
 
 namespace mitsuba::culling {
 
+/// The barycentric coordinates of a point of the triangle of these corners.
+template <typename Point3f>
+Point<dr::value_t<Point3f>, 2> barycentric(const Point3f& a, const Point3f& b, const Point3f& c,
+                                           const Point3f& p) {
+    const auto ab = b - a, ac = c - a, ap = p - a, normal = dr::cross(ab, ac);
+    const auto inverse = dr::rcp(dr::squared_norm(normal));
+    return {dr::dot(dr::cross(ap, ac), normal) * inverse,
+            dr::dot(dr::cross(ab, ap), normal) * inverse};
+}
+
 /// The interaction with a triangle of a mesh at prim_uv, as if a ray had hit it there. The caller
 /// sets its direction, time and wavelengths.
 template <typename Float, typename Spectrum>

@@ -76,6 +76,22 @@ LaneSelector::Float LaneSelector::hit_probs(const Mask& asks, const UInt32& ligh
     return memory_.hit_probs.view<Float>();
 }
 
+LaneSelector::Float LaneSelector::vertex_probs(const ::lightcull::VertexCulling& culling,
+                                               const Mask& asks, const Point3f& places) {
+    const LaneMemory::Choices& last = memory_.choices;
+    memory_.vertex_probs.assign(last.slots.size(), 1.0f);
+    const Column<bool> asking(asks);
+    const VectorColumn positions(places);
+    for_each_lane(last.slots.size(), [&](std::size_t i) {
+        if (!asking[i]) return;
+        const std::uint32_t slot = last.slots[i];
+        const Selection& selection = last.selections[slot];
+        memory_.vertex_probs[i] = culling.vertex_prob(last.points[slot], selection.receipt,
+                                                      selection.light, positions[i]);
+    });
+    return memory_.vertex_probs.view<Float>();
+}
+
 void LaneSelector::report(const Mask& traced, const Mask& arrived) const {
     const Column<bool> was_traced(traced), has_arrived(arrived);
     const LaneMemory::Choices& last = memory_.choices;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <lightcull/light_sampler.h>
+#include <lightcull/samplers.h>
 
 #include <cstdint>
 #include <vector>
@@ -26,7 +27,7 @@ struct LaneMemory {
     std::vector<float> random;  ///< for each of choices.points
     // These have an element for each lane.
     SharedArray<std::uint32_t> lights;
-    SharedArray<float> hit_probs, probs, mis_probs;
+    SharedArray<float> hit_probs, probs, mis_probs, vertex_probs;
 };
 
 /// Chooses lights for whole wavefronts, on the processor, between their kernels.
@@ -54,6 +55,11 @@ class LaneSelector {
     /// The probability with which `light` would have been chosen by the last choose(), in the lane
     /// `origin` of then; 1 for a lane that does not ask.
     Float hit_probs(const Mask& asks, const UInt32& light, const UInt32& origin);
+
+    /// The parts of the probabilities of the last choose() that depend on the places sampled on the
+    /// lights, in the lanes of `asks`; 1 in the others. Only where there is a VertexCulling.
+    Float vertex_probs(const ::lightcull::VertexCulling& culling, const Mask& asks,
+                       const Point3f& places);
 
     /// False if report() need not be called.
     bool wants_reports() const { return has_choice() && sampler_.wants_reports(); }

@@ -130,8 +130,9 @@ class Wavefront {
         emission_pdf_ = dr::select(unplaced, entry.prob, 1.0f) *
                         emitter->pdf_direction(paths_.last, ds, whole || unplaced);
         if (tables_.has_triangles()) {
-            dr::masked(emission_pdf_, triangle) =
-                triangle_pdf(tables_.area(hit_light_, triangle), si_.n, ds.d, ds.dist);
+            const auto place = tables_.find_place(hit_light_, hit_.prim_uv, triangle);
+            dr::masked(hit_light_, triangle) = place.light;
+            dr::masked(emission_pdf_, triangle) = triangle_pdf(place.density, si_.n, ds.d, ds.dist);
         }
         dr::masked(emission_pdf_, !(asks_ || unplaced)) = 0.0f;
     }
@@ -156,7 +157,8 @@ class Wavefront {
         }
         auto sample = dr::zeros<LightSample<Float, Spectrum>>();
         if (!context_.lights->lights().empty()) {
-            sample = lights_.sample_chosen(si_, chosen_, random_.next_2d(), smooth_);
+            sample = lights_.sample_chosen(si_, chosen_, lights_.draw_random(random_), smooth_);
+            if (context_.vertex_culling) cull_at_vertices(sample);
         }
         const Float random_1 = random_.next_1d();
         const Point2f random_2 = random_.next_2d();
@@ -170,6 +172,15 @@ class Wavefront {
         random_.schedule();
         dr::eval();
         if (reports) selector_.report(shadow_rays.traced, shadow_rays.arrived);
+    }
+
+    /// Has the processor decide about the places on the lights, between two kernels.
+    void cull_at_vertices(LightSample<Float, Spectrum>& sample) {
+        dr::eval(sample);
+        const Float prob =
+            selector_.vertex_probs(*context_.vertex_culling, sample.active, sample.p);
+        sample.active &= prob > 0.0f;
+        sample.weight = dr::select(sample.active, sample.weight / prob, 0.0f);
     }
 
     /// The lanes that traced a shadow ray, and those in which it arrived.

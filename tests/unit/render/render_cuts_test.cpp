@@ -189,9 +189,10 @@ TEST_CASE("cut emitters: a hit finds the light and the density by which its plac
             for (int i = 0; i < 200; ++i) {
                 const float x = 8.0f * random.next() - 4.0f, z = 8.0f * random.next() - 4.0f;
                 const V3f from(x, 0.0f, z);
+                const auto piece = static_cast<double>(random.next());
                 const float u = random.next();
-                const EmitterSample s =
-                    sample_emitter(data, data.emitters[light], from, V2f(u, random.next()));
+                const EmitterSample s = sample_emitter(data, data.emitters[light], from,
+                                                       {piece, V2f(u, random.next())});
                 REQUIRE(s.pdf > 0.0f);
                 const float2 place = barycentric(data, emitter->triangle, s.place);
                 const std::uint32_t first = data.triangles[emitter->triangle].light;

@@ -39,7 +39,8 @@ TEST_CASE("a triangle's density is one per solid angle") {
     statistics::Accumulator sum;
     for (int i = 0; i < 100000; ++i) {
         const float x = random.next();
-        const EmitterSample s = sample_emitter(scene, triangle, V3f(0), V2f(x, random.next()));
+        const EmitterSample s =
+            sample_emitter(scene, triangle, V3f(0), {0.5, V2f(x, random.next())});
         CHECK(s.radiance.x == 5.0f);
         CHECK_FALSE(s.is_delta);
         sum.add(static_cast<double>(1.0f / s.pdf));
@@ -67,7 +68,7 @@ TEST_CASE("a near triangle is sampled uniformly by solid angle, whatever its sha
         constexpr int kSamples = 40000;
         for (int i = 0; i < kSamples; ++i) {
             const float x = random.next();
-            const EmitterSample s = sample_emitter(scene, t, V3f(0), V2f(x, random.next()));
+            const EmitterSample s = sample_emitter(scene, t, V3f(0), {0.5, V2f(x, random.next())});
             REQUIRE(static_cast<double>(s.pdf) == doctest::Approx(1.0 / whole).epsilon(1e-4));
             CHECK(s.pdf == triangle_pdf(t, V3f(0), s.place));
             const V3d normal = V3d(b - a).cross(V3d(c - a));
@@ -114,7 +115,7 @@ TEST_CASE("the edge of a spot is where its angles say, however narrow it is") {
                 const double angle = 1.25 * outer * (i + 0.5) / 100.0;
                 const V3f from(static_cast<float>(std::sin(angle)),
                                static_cast<float>(-std::cos(angle)), 0.0f);
-                const auto s = sample_emitter(data, data.emitters[0], from, V2f(0.5f));
+                const auto s = sample_emitter(data, data.emitters[0], from, {0.5, V2f(0.5f)});
                 const double off = std::pow(std::sin(0.5 * angle), 2);
                 const double full = std::pow(std::sin(0.5 * part * outer), 2);
                 const double end = std::pow(std::sin(0.5 * outer), 2);
@@ -130,10 +131,10 @@ TEST_CASE("the edge of a spot is where its angles say, however narrow it is") {
 TEST_CASE("from its own plane a triangle is not sampled") {
     const lightcull::SceneData scene;
     const Emitter t = TriangleEmitter{V3f(0), V3f(1, 0, 0), V3f(0, 1, 0), V3f(1), 0, kNone, true};
-    CHECK(sample_emitter(scene, t, V3f(5, 5, 0), V2f(0.5f)).pdf == 0.0f);
+    CHECK(sample_emitter(scene, t, V3f(5, 5, 0), {0.5, V2f(0.5f)}).pdf == 0.0f);
     // A place on it is rounded to one side or the other, and sees nothing of it all the same.
     for (const float above : {0.0f, 6e-8f, -6e-8f}) {
-        const EmitterSample s = sample_emitter(scene, t, V3f(0.25f, 0.3f, above), V2f(0.5f));
+        const EmitterSample s = sample_emitter(scene, t, V3f(0.25f, 0.3f, above), {0.5, V2f(0.5f)});
         CHECK((s.pdf == 0.0f || s.pdf > 1e4f));
     }
 }

@@ -165,7 +165,7 @@ TEST_CASE("rays inside a closed room never leave it, and its lamp is seen from e
         for (const Surface& s : surfaces) {
             const float x = random.next();
             const auto sample =
-                sample_emitter(impl, impl.emitters[0], s.position, V2f(x, random.next()));
+                sample_emitter(impl, impl.emitters[0], s.position, {0.5, V2f(x, random.next())});
             if (sample.radiance.x == 0.0f || sample.direction.dot(s.normal) <= 0.0f) continue;
             shadow_rays.push_back(lightcull::segment(s.origin, sample.place, sample.triangle));
         }

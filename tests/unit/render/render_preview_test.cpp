@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 using namespace render_support;
@@ -133,4 +134,36 @@ TEST_CASE("colours of vertices are seen in a preview") {
     const float white = mean_seen(Preview(plain).look(camera, 16, 12, 64));
     const float dark = mean_seen(Preview(scene).look(camera, 16, 12, 64));
     CHECK(dark == doctest::Approx(0.25f * white).epsilon(0.005));
+}
+
+TEST_CASE("a preview shares the triangles of its scene, and each goes its own way from then on") {
+    auto scene = std::make_shared<Scene>();
+    scene->add_material(diffuse(0.5f));
+    Shape ball;
+    ball.add_sphere({0, 0, 0}, 1.0f, 64);
+    const MeshId mesh = scene->add_mesh(ball.mesh("ball", 0));
+    const std::size_t whole = scene->memory_size().data;
+    const std::vector<float3> from{{0, 5, 0}, {3, 5, 0}}, down{{0, -1, 0}, {0, -1, 0}};
+    {
+        const Preview preview(*scene);
+        CHECK(preview.memory_size().data < whole / 20);
+        CHECK(preview.memory_size().bvh > 0);
+        Shape beside;
+        beside.add_level_square({3, 0, 0}, 1.0f, true);
+        scene->add_mesh(beside.mesh("beside", 0));
+        CHECK(scene->triangle_count() > 2);
+        CHECK(std::isinf(preview.distances(from, down)[1]));
+        CHECK(preview.memory_size().data > whole / 2);  // It has the only copy now.
+    }
+    scene->set_camera(look({0, 5, 0}, {0, 0, 0}, 0.1f, {1, 0, 0}));
+    const Preview preview(*scene);
+    CHECK(preview.distances(from, down)[1] == doctest::Approx(5.0));
+    scene->commit();
+    for (float3& p : ball.positions) p.x += 3.0f;
+    scene->set_mesh_positions(mesh, ball.positions);
+    scene->refit();
+    CHECK(preview.distances(from, down)[0] == doctest::Approx(4.0));
+    RenderSettings settings = square_image(3, 1);
+    const std::optional<ShadingPoint> seen = pixel_points(*scene, settings)[4];
+    CHECK(!seen);
 }

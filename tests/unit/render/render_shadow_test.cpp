@@ -107,7 +107,7 @@ Arriving light_at(const std::vector<V3f>& places, const Scene& scene) {
         const auto i = random.next() * static_cast<float>(impl.emitters.size());
         const float x = random.next();
         const auto s = sample_emitter(impl, impl.emitters[static_cast<std::size_t>(i)], from,
-                                      V2f(x, random.next()));
+                                      {0.5, V2f(x, random.next())});
         if (!(s.pdf > 0.0f && s.radiance.x > 0.0f)) continue;
         rays.push_back(segment(from, s.place, s.triangle));
         values.push_back(static_cast<double>(s.radiance.x / s.pdf));
@@ -150,13 +150,16 @@ constexpr Lamp kLamps[] = {Lamp::kPanel, Lamp::kPoint, Lamp::kSpot};
 }  // namespace
 
 TEST_CASE("a triangle hides an end that lies behind its plane, and no other") {
-    const V3f positions[] = {{-1, -1, 2}, {1, -1, 2}, {0, 1, 2}};
-    const std::uint32_t indices[] = {0, 1, 2};
-    const lightcull::TriangleRecord records[] = {{0, 0}};
-    const lightcull::Triangles triangles{positions, indices, records, 1.0f};
+    Scene scene;
+    scene.add_material(diffuse(0.5f));
+    Shape triangle;
+    triangle.positions = {{-1, -1, 2}, {1, -1, 2}, {0, 1, 2}};
+    triangle.indices = {0, 1, 2};
+    scene.add_mesh(triangle.mesh("triangle", 0));
+    const Hit hit{0, 0.25f, 0.25f};
     const auto hides = [&](float start, float end) {
         // However Embree may have rounded the distance of the hit.
-        return hides_end(triangles, 0, 0.5f, segment({0, 0, start}, {0, 0, end}));
+        return hides_end(data_of(scene), hit, 0.5f, segment({0, 0, start}, {0, 0, end}));
     };
     CHECK(hides(1.0f, 3.0f));
     CHECK(hides(1.0f, 2.000001f));
@@ -164,7 +167,7 @@ TEST_CASE("a triangle hides an end that lies behind its plane, and no other") {
     CHECK_FALSE(hides(1.0f, 1.999f));
     CHECK(hides(3.0f, 1.999999f));
     CHECK_FALSE(hides(3.0f, 2.001f));
-    CHECK(hides_end(triangles, 0, 0.5f, Ray{{0, 0, 1}, {0, 0, 1}}));
+    CHECK(hides_end(data_of(scene), hit, 0.5f, Ray{{0, 0, 1}, {0, 0, 1}}));
 }
 
 TEST_CASE("a plate right before a light hides all of it, and one right behind it nothing") {

@@ -15,7 +15,8 @@ namespace lightcull {
 /// the scene itself stays open. What reflects is grey where it has textures.
 class LIGHTCULL_EXPORT Preview {
   public:
-    /// Copies what is in the scene; throws Error if that is committed.
+    /// Takes what is in the scene, whose triangles and vertices it shares until more are added
+    /// there. Throws Error if the scene is committed.
     explicit Preview(const Scene& scene);
     ~Preview();
 
@@ -27,6 +28,9 @@ class LIGHTCULL_EXPORT Preview {
     /// are not numbers where the ray through their middle leaves the scene.
     std::vector<float3> look(const Camera& camera, std::uint32_t width, std::uint32_t height,
                              std::uint32_t passes);
+
+    /// The memory that it takes besides that of the scene, bytes.
+    SceneMemory memory_size() const noexcept;
 
   private:
     std::shared_ptr<Scene> copy_;

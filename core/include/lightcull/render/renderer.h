@@ -34,6 +34,8 @@ struct RenderSettings {
                                ///< pass; false: passes are independent, for statistics of one
     bool emission_apart = false;  ///< keep what the camera sees of emitters in a film of its own,
                                   ///< for Renderer::emission() and lit()
+    bool hide_emitters = false;   ///< the camera sees neither triangles that emit, through which
+                                  ///< its rays go on, nor the environment; mirrors do
 };
 
 struct RenderStats {

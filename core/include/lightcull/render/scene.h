@@ -46,6 +46,10 @@ struct Material {
     TextureId opacity_texture = kNoTexture;  ///< multiplies the opacity by its red
     /// Above 0: a ray meets the surface where the opacity is at least this, and nowhere else.
     float opacity_threshold = 0.0f;
+    /// Normals in the tangent frame of the texture coordinates: 2 * texel - 1, of which x, to the
+    /// right of the image, and y, up, are scaled. The texture is of numbers, not of colours.
+    TextureId normal_texture = kNoTexture;
+    float normal_scale = 1.0f;
 };
 
 /// What the triangles of a mesh emit: radiance * face_radiance[i] * texture(u, v), each of the
@@ -70,6 +74,12 @@ struct Mesh {
                                         ///< multiplies the base colour
     MaterialId material = 0;
     Emission emission;
+};
+
+/// Where an instance of a mesh stands: three rows of a matrix of which the last column is the
+/// translation, metres.
+struct Placement {
+    float rows[3][4];
 };
 
 /// A thin lens looking from origin to target; a pinhole where aperture_radius is 0. Orthographic
@@ -119,6 +129,11 @@ class LIGHTCULL_EXPORT Scene {
     TextureId add_texture(Texture texture);
     MaterialId add_material(const Material& material);
     MeshId add_mesh(const Mesh& mesh);
+    /// Adds a mesh that is nowhere yet, and takes its memory once however often it is placed. It
+    /// must not emit: lights are where they are.
+    MeshId add_shared_mesh(const Mesh& mesh);
+    /// Places a shared mesh, mirrored or not. Its normals stay square to it.
+    void add_instance(MeshId mesh, const Placement& placement);
     /// Adds a point that emits `intensity` (W/sr, RGB) in all directions.
     void add_point_light(float3 position, float3 intensity);
     /// Adds a point that emits `intensity` in full up to `inner` from direction, then down to
@@ -136,7 +151,8 @@ class LIGHTCULL_EXPORT Scene {
     /// there is can be moved.
     void commit();
 
-    /// Moves the corners of a mesh, emissive or not: as many positions, metres, as it has.
+    /// Moves the corners of a mesh, emissive or not: as many positions, metres, as it has. Shared
+    /// ones stay.
     /// `normals`, of a mesh that has shading normals: as many, or none to leave them as they are.
     void set_mesh_positions(MeshId mesh, Span<const float3> positions,
                             Span<const float3> normals = {});
@@ -163,6 +179,7 @@ class LIGHTCULL_EXPORT Scene {
     Span<const Light> lights() const noexcept;
     /// The number of lights without those further parts.
     std::size_t emitter_count() const noexcept;
+    /// The number of triangles, those of an instance counted where it stands.
     std::size_t triangle_count() const noexcept;
     bool has_environment() const noexcept;
     const Camera& camera() const noexcept;

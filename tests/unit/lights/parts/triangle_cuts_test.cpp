@@ -265,9 +265,9 @@ TEST_CASE("triangle cuts: pieces are drawn as at() has them, and estimate what i
             for (std::uint32_t part = 0; part < cuts.parts().size(); ++part) {
                 statistics::Accumulator of_part;
                 for (int i = 0; i < 4000; ++i) {
-                    float u = random.next();
-                    const TriangleCuts::Piece piece = cuts.draw(part, u);
-                    REQUIRE((u >= 0.0f && u < 1.0f));
+                    const auto number = static_cast<double>(random.next());
+                    const TriangleCuts::Piece piece = cuts.draw(part, number);
+                    const float u = random.next();
                     const float2 b = TriangleCuts::draw_place(piece, u, random.next());
                     REQUIRE(std::min({b.x, b.y, 1.0f - b.x - b.y}) > -1e-6f);
                     const float2 place = place_in(piece.corners, b);
@@ -297,4 +297,53 @@ TEST_CASE("triangle cuts: pieces are drawn as at() has them, and estimate what i
             CHECK(statistics::p_of_z(statistics::z_of(sum, {kFlux, 0.0})) > statistics::least_p());
         }
     }
+}
+
+TEST_CASE("triangle cuts: each of many pieces is drawn as often as it says") {
+    // 24 bits would be off by a percent.
+    const std::vector<TriangleCorners> triangles{kWide};
+    CutDemand demand = even(kFar);
+    demand.emission = [](std::uint32_t, const SubTriangle& part) {
+        PartEmission emission;
+        const float2 at = middle(part);
+        emission.mean = 1.0f + at.x;
+        emission.unevenness = 1.0f;
+        return emission;
+    };
+    demand.most_pieces = 30000;
+    const TriangleCuts cuts(triangles, demand);
+    REQUIRE(cuts.parts().size() == 1);
+    const auto is_drawn = [&](const TriangleCuts::Piece& piece, double u) {
+        const TriangleCuts::Piece other = cuts.draw(0, u);
+        return std::equal(piece.corners.corners, piece.corners.corners + 3, other.corners.corners,
+                          [](float2 a, float2 b) { return a.x == b.x && a.y == b.y; });
+    };
+    /// The end of the numbers that draw the piece, on the way from one that does to one that does
+    /// not.
+    const auto end_of = [&](const TriangleCuts::Piece& piece, double inside, double outside) {
+        for (int i = 0; i < 60; ++i) {
+            const double middle = 0.5 * (inside + outside);
+            (is_drawn(piece, middle) ? inside : outside) = middle;
+        }
+        return inside;
+    };
+    RandomStream random(5);
+    for (int i = 0; i < 100; ++i) {
+        const auto u = 0.01 + 0.98 * static_cast<double>(random.next());
+        const TriangleCuts::Piece piece = cuts.draw(0, u);
+        REQUIRE(piece.prob < 1e-3f);
+        const double length = end_of(piece, u, 1.0) - end_of(piece, u, 0.0);
+        CHECK(length == doctest::Approx(static_cast<double>(piece.prob)).epsilon(1e-4));
+    }
+}
+
+TEST_CASE("cut limits: what is dim beside all others is not worth a cut, the brightest apart") {
+    std::vector<Light> lights(10000, point_light({0, 0, 0}, 1.0f));
+    std::fill_n(lights.begin(), 20, point_light({0, 0, 0}, 1e9f));
+    lights.push_back(directional_light({0, -1, 0}, 1e9f));
+    const CutLimits limits = cut_limits(lights);
+    CHECK(limits.least_flux == doctest::Approx((10000.0 - 16.0 - 39.0) / 1024.0).epsilon(1e-6));
+    CHECK(limits.most_lights == 4096);
+    lights.resize(16);
+    CHECK(cut_limits(lights).least_flux == 0.0);
 }

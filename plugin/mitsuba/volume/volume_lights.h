@@ -1,0 +1,17 @@
+#pragma once
+
+#include <drjit/array_traits.h>
+
+#include <type_traits>
+
+#include "volume/lane_volume_lights.h"
+#include "volume/scalar_volume_lights.h"
+
+namespace mitsuba::culling {
+
+/// What chooses and samples lights for points in media and on surfaces.
+template <typename Float, typename Spectrum>
+using VolumeLights = std::conditional_t<drjit::is_jit_v<Float>, LaneVolumeLights<Float, Spectrum>,
+                                        ScalarVolumeLights<Float, Spectrum>>;
+
+}  // namespace mitsuba::culling
