@@ -3,7 +3,9 @@
 # environment in build/venv, the C++ libraries in build/, the Python package and the command
 # `lightcull`. What is there already is neither installed nor built again.
 #
-# Usage: core/tools/setup.sh [--tests]    with --tests, also what the tests need
+# Usage: core/tools/setup.sh [--tests | --wheels]
+#   --tests   also what the tests need
+#   --wheels  also what core/tools/wheels.sh needs; --tests has it, too
 
 set -euo pipefail
 
@@ -19,12 +21,16 @@ packages=(
 )
 requirement_groups=(build run)
 with_tests=OFF
+if [[ ${1:-} == --tests || ${1:-} == --wheels ]]; then
+    packages+=(libfmt-dev)
+    requirement_groups+=(mitsuba wheel)
+fi
 if [[ ${1:-} == --tests ]]; then
     with_tests=ON
     packages+=(doctest-dev libbenchmark-dev)
     # A Vulkan device without a GPU, and what checks the use of it.
     packages+=(mesa-vulkan-drivers vulkan-validationlayers libspirv-cross-c-shared-dev)
-    requirement_groups+=(cluster mitsuba test usd)
+    requirement_groups+=(cluster test usd)
 fi
 
 # What could be neither found nor installed; named once it was missed, and again if that is fatal.
@@ -187,6 +193,7 @@ install_package() {
         "$venv/bin/pip" install --quiet --disable-pip-version-check --no-deps --no-build-isolation \
         --config-settings=build-dir="$build/bindings" \
         --config-settings=cmake.define.lightcull_DIR="$build" \
+        --config-settings=cmake.define.LIGHTCULL_OPENIMAGEIO= \
         --config-settings=cmake.define.LIGHTCULL_WERROR=ON "$root/bindings" >&2
     echo "$hash" >"$venv/package-hash"
 }

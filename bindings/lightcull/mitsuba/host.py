@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from .._core import Error
+from . import system_libraries
 
 WANTED_VERSION = "3.8.0"
 """The plugins are compiled against it: others differ in their classes."""
@@ -25,12 +26,13 @@ def mitsuba() -> Any:
 
     Raises Error if it, or a plugin, is missing.
     """
+    system_libraries.provide()
     try:
         module = importlib.import_module("mitsuba")
     except ImportError as error:
+        again = "" if _PLUGIN.is_file() else ", then install lightcull again"
         raise Error(
-            f"mitsuba: cannot be imported ({error}): pip install mitsuba=={WANTED_VERSION}, then "
-            "install lightcull again"
+            f"mitsuba: cannot be imported ({error}): pip install mitsuba=={WANTED_VERSION}{again}"
         ) from error
     if module.__version__ != WANTED_VERSION:
         raise Error(
