@@ -75,7 +75,8 @@ def test_its_libraries_need_each_other_the_c_library_and_mitsuba(bare):
         assert any(re.match(rf"lib{name}\d*-", library) for library in bundled), name
     for library in [*packages.glob("lightcull*/**/*.so*")]:
         strangers = needed(library) - bundled - OF_THE_SYSTEM
-        assert strangers == (OF_MITSUBA if library.name == "lightcull_path.so" else set()), library
+        is_plugin = library.parent.name == "plugins"
+        assert strangers == (OF_MITSUBA if is_plugin else set()), library
 
 
 def test_it_renders_without_any_other_library(bare, tmp_path):
@@ -85,6 +86,7 @@ def test_it_renders_without_any_other_library(bare, tmp_path):
     loaded = run(*command, env=env, cwd=tmp_path).splitlines()
     (packages,) = bare.glob("lib/python*/site-packages")
     ours = {path.name for path in packages.glob("lightcull.libs/*")}
+    ours.remove("libatomic.so.1")  # is for systems that have none
     assert ours <= {Path(path).name for path in loaded}
     bundled = {soname(name).split(".so")[0] for name in ours}
     for path in map(Path, loaded):

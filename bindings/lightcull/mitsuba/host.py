@@ -30,7 +30,8 @@ def mitsuba() -> Any:
     try:
         module = importlib.import_module("mitsuba")
     except ImportError as error:
-        again = "" if _PLUGIN.is_file() else ", then install lightcull again"
+        there = all(plugin.is_file() for plugin in _PLUGINS)
+        again = "" if there else ", then install lightcull again"
         raise Error(
             f"mitsuba: cannot be imported ({error}): pip install mitsuba=={WANTED_VERSION}{again}"
         ) from error
