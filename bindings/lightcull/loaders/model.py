@@ -102,7 +102,7 @@ class PlacedMeshes:
     _SMALL = 64
     """Triangles."""
 
-    def __init__(self, scene: Scene, notes: Notes, uses: Counter[Hashable]) -> None:
+    def __init__(self, scene: Scene, notes: Notes, uses: Counter[Any]) -> None:
         """uses: how many places each mesh has, by what tells it from others."""
         self._scene = scene
         self._notes = notes

@@ -127,7 +127,7 @@ class _Import:
         if uvs is None and _is_textured(shape.bsdf()):
             self._notes.left_out("textures on shapes without texture coordinates")
             uvs = np.zeros((len(geometry.positions), 2), np.float32)
-        what = {"normals": geometry.normals, "uvs": uvs, "name": str(shape.id())}
+        what: dict[str, Any] = {"normals": geometry.normals, "uvs": uvs, "name": str(shape.id())}
         if not shape.is_emitter():
             return [
                 add(
