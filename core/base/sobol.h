@@ -4,17 +4,11 @@
 #include <cstdint>
 
 #include "base/random.h"
+#include "base/reversed_bits.h"
 
 /// Sobol' points, scrambled as Owen does. All is arithmetic on integers, the same on any machine.
 
 namespace lightcull {
-
-constexpr std::uint32_t reversed_bits(std::uint32_t x) noexcept {
-    x = x << 24 | (x & 0xff00u) << 8 | (x >> 8 & 0xff00u) | x >> 24;
-    x = (x & 0x0f0f0f0fu) << 4 | (x >> 4 & 0x0f0f0f0fu);
-    x = (x & 0x33333333u) << 2 | (x >> 2 & 0x33333333u);
-    return (x & 0x55555555u) << 1 | (x >> 1 & 0x55555555u);
-}
 
 /// A bijection in which a bit is flipped by a hash of the bits below it: nested uniform scrambling
 /// (Owen 1995) of a fraction whose bits are reversed. The hash is that of Laine and Karras (2011,

@@ -406,10 +406,7 @@ std::size_t Scene::emitter_count() const noexcept {
 std::size_t Scene::triangle_count() const noexcept {
     const SceneData& s = *data_;
     std::size_t count = 0;
-    for (MeshId id = 0; id < s.meshes.size(); ++id) {
-        if (!s.meshes[id].is_shared) count += s.triangles_of(id).size();
-    }
-    for (const Instance& instance : s.instances) count += s.triangles_of(instance.mesh).size();
+    s.for_each_placed([&](MeshId mesh, std::uint32_t) { count += s.triangles_of(mesh).size(); });
     return count;
 }
 bool Scene::has_environment() const noexcept {

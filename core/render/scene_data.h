@@ -89,6 +89,16 @@ struct SceneData {
                 is_last ? triangles.size() : meshes[mesh + 1].first_triangle};
     }
 
+    /// Calls visit(mesh, instance) for each mesh where it stands; instance: kNotInstanced, or an
+    /// index into instances.
+    template <typename Visit>
+    void for_each_placed(const Visit& visit) const {
+        for (MeshId mesh = 0; mesh < meshes.size(); ++mesh) {
+            if (!meshes[mesh].is_shared) visit(mesh, kNotInstanced);
+        }
+        for (std::uint32_t i = 0; i < instances.size(); ++i) visit(instances[i].mesh, i);
+    }
+
     /// The bytes of all triangles and vertices; shared: of those arrays alone that others share.
     std::size_t geometry_size(bool shared) const noexcept {
         const auto of = [shared](const auto& array) {

@@ -77,6 +77,23 @@ def picture() -> SceneDict:
     return {"type": "bitmap", "bitmap": mi.Bitmap(texels), "filter_type": "nearest"}
 
 
+def sensor(film: SceneDict | None = None) -> SceneDict:
+    """A camera that looks at what stands on the floor."""
+    return {
+        "type": "perspective",
+        "fov": 45,
+        "to_world": transform().look_at([0, 2.5, 7], [0, 0.8, 0], [0, 1, 0]),
+        "film": {
+            "type": "hdrfilm",
+            "width": SIZE[0],
+            "height": SIZE[1],
+            "rfilter": {"type": "box"},
+        }
+        | (film or {}),
+        "sampler": {"type": "independent"},
+    }
+
+
 def stage(
     *, bsdf: SceneDict | None = None, object_bsdf: SceneDict | None = None, film: SceneDict | None = None
 ) -> SceneDict:
@@ -84,19 +101,7 @@ def stage(
     floor = bsdf or diffuse(0.6, 0.5, 0.4)
     return {
         "type": "scene",
-        "sensor": {
-            "type": "perspective",
-            "fov": 45,
-            "to_world": transform().look_at([0, 2.5, 7], [0, 0.8, 0], [0, 1, 0]),
-            "film": {
-                "type": "hdrfilm",
-                "width": SIZE[0],
-                "height": SIZE[1],
-                "rfilter": {"type": "box"},
-            }
-            | (film or {}),
-            "sampler": {"type": "independent"},
-        },
+        "sensor": sensor(film),
         "floor": rectangle([0, 0, 0], 5, None, down=False) | {"bsdf": floor},
         "wall": {
             "type": "rectangle",

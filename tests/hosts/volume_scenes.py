@@ -10,7 +10,7 @@ from typing import Any
 
 import mitsuba as mi
 import numpy as np
-from mitsuba_scenes import SceneDict, area, diffuse, rectangle, rgb, transform
+from mitsuba_scenes import SceneDict, area, diffuse, rectangle, rgb, sensor, transform
 
 SIZE = (16, 12)
 NULL = {"type": "null"}
@@ -58,22 +58,11 @@ def ball(center: Any, radius: float, medium: SceneDict | None, bsdf: SceneDict =
 
 def room(medium: SceneDict | None = None) -> SceneDict:
     """A floor and a wall, without light, seen by a camera in `medium`."""
-    sensor = {
-        "type": "perspective",
-        "fov": 45,
-        "to_world": transform().look_at([0, 2.5, 7], [0, 0.8, 0], [0, 1, 0]),
-        "film": {
-            "type": "hdrfilm",
-            "width": SIZE[0],
-            "height": SIZE[1],
-            "rfilter": {"type": "box"},
-        },
-        "sampler": {"type": "independent"},
-    }
+    camera = sensor({"width": SIZE[0], "height": SIZE[1]})
     wall = {"type": "rectangle", "to_world": transform().translate([0, 2, -3]).scale(5)}
     return {
         "type": "scene",
-        "sensor": sensor if medium is None else sensor | {"medium": medium},
+        "sensor": camera if medium is None else camera | {"medium": medium},
         "floor": rectangle([0, 0, 0], 5, None, down=False) | {"bsdf": diffuse(0.6, 0.5, 0.4)},
         "wall": wall | {"bsdf": diffuse(0.3, 0.5, 0.6)},
     }

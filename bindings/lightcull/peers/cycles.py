@@ -12,6 +12,7 @@ from ..rendering.settings import RenderSettings
 from ..scene import Scene
 from .blender import Blender, check_blender
 from .exported import export
+from .job import check_settings
 
 
 def check(description: str) -> bool:
@@ -30,10 +31,7 @@ class Cycles:
 
     def __init__(self, scene: Scene, description: str, settings: RenderSettings) -> None:
         light_tree = check(description)
-        if settings.direct_light != "mis":
-            raise Error(f"{description}: direct_light is {settings.direct_light!r}: it has its own")
-        if settings.hide_emitters:
-            raise Error(f"{description}: hide_emitters: not for other renderers")
+        check_settings(description, settings)
         if settings.max_depth < 2:
             raise Error(f"{description}: max_depth is {settings.max_depth}, wanted 2 at least")
         self.description = description

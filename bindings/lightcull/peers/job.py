@@ -7,7 +7,9 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from .._core import Error
 from ..rendering.job import SubjectJob
+from ..rendering.settings import RenderSettings
 from ..rendering.statistics import Stats
 
 _SECONDS_PER_PASS = 0.25
@@ -28,6 +30,14 @@ class Peer(Protocol):
         (H, W, 3), and the seconds that it took: of the processors, over the number of threads, so
         that it does not matter what else the machine does.
         """
+
+
+def check_settings(description: str, settings: RenderSettings) -> None:
+    """Throws Error for settings that no other renderer has."""
+    if settings.direct_light != "mis":
+        raise Error(f"{description}: direct_light is {settings.direct_light!r}: it has its own")
+    if settings.hide_emitters:
+        raise Error(f"{description}: hide_emitters: not for other renderers")
 
 
 def mixed(*numbers: int) -> int:

@@ -18,7 +18,7 @@ from ..images import read_image
 from ..rendering.settings import RenderSettings
 from ..scene import Scene
 from .exported import export
-from .job import mixed
+from .job import check_settings, mixed
 from .pbrt_file import write_pbrt
 
 PROGRAM = "pbrt"
@@ -37,10 +37,7 @@ class Pbrt:
 
     def __init__(self, scene: Scene, description: str, settings: RenderSettings) -> None:
         check(description)
-        if settings.direct_light != "mis":
-            raise Error(f"{description}: direct_light is {settings.direct_light!r}: it has its own")
-        if settings.hide_emitters:
-            raise Error(f"{description}: hide_emitters: not for other renderers")
+        check_settings(description, settings)
         self.description = description
         self._threads = settings.threads or machine.core_count()
         folder = tempfile.TemporaryDirectory(prefix="lightcull-pbrt-")

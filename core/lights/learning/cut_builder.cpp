@@ -8,6 +8,7 @@
 
 #include "base/float3_math.h"
 #include "base/random.h"
+#include "base/reversed_bits.h"
 #include "lights/bvh/light_bvh_kernels.h"
 
 namespace lightcull {
@@ -184,13 +185,6 @@ bool is_far(const MeansNode& node, std::size_t i, const CutPlace& place) noexcep
     return facing + root > 2.0f * least * length(normal);
 }
 
-/// The index of i < 2^bits with its bits reversed: sums of halves are gone through in that order.
-constexpr std::uint32_t reversed(std::uint32_t i, std::uint32_t bits) noexcept {
-    std::uint32_t r = 0;
-    for (std::uint32_t bit = 0; bit < bits; ++bit) r |= (i >> bit & 1u) << (bits - 1 - bit);
-    return r;
-}
-
 /// Calls visit(place) for the places from `begin` to `end`, run by run. `begin` begins a block.
 template <typename Visit>
 void for_each_place(std::uint32_t begin, std::uint32_t end, const Visit& visit) {
@@ -210,7 +204,9 @@ void order_runs(ClusterCut& cut) noexcept {
         order[run] = {place < cut.size ? cut.cluster_at[place] : ClusterCut::kMaxSize, run};
     }
     std::sort(order.begin(), order.end());
-    for (std::uint32_t i = 0; i < kRuns; ++i) cut.run[reversed(i, kBits)] = order[i].second;
+    // Sums of halves are gone through in the order of reversed bits.
+    for (std::uint32_t i = 0; i < kRuns; ++i)
+        cut.run[reversed_bits(i) >> (32 - kBits)] = order[i].second;
 }
 
 /// Gives each cluster of a cut its place: near ones first, with those next to the cell where they

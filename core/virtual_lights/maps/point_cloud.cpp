@@ -17,12 +17,8 @@ namespace {
 class Surfaces {
   public:
     explicit Surfaces(const SceneData& scene) : scene_(scene) {
-        for (MeshId mesh = 0; mesh < scene.meshes.size(); ++mesh) {
-            if (!scene.meshes[mesh].is_shared) add(scene.triangles_of(mesh), kNotInstanced);
-        }
-        for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
-            add(scene.triangles_of(scene.instances[i].mesh), i);
-        }
+        scene.for_each_placed(
+            [&](MeshId mesh, std::uint32_t instance) { add(scene.triangles_of(mesh), instance); });
         std::vector<double> areas(places_.size());
         for (std::uint32_t k = 0; k < areas.size(); ++k) {
             const Facet facet = this->facet(k);

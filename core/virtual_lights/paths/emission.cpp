@@ -91,12 +91,14 @@ double irradiance(const EnvironmentMap& environment) noexcept {
 
 EmissionTable::EmissionTable(const SceneData& scene) : scene_(scene) {
     Imath::Box3f box;
-    for (MeshId mesh = 0; mesh < scene.meshes.size(); ++mesh) {
-        if (scene.meshes[mesh].is_shared) continue;
+    scene.for_each_placed([&](MeshId mesh, std::uint32_t instance) {
+        if (instance != kNotInstanced) {
+            box.extendBy(bounds_of(scene, scene.instances[instance]));
+            return;
+        }
         const SceneData::Range range = scene.positions_of(mesh);
         for (std::size_t i = range.begin; i < range.end; ++i) box.extendBy(scene.positions[i]);
-    }
-    for (const Instance& instance : scene.instances) box.extendBy(bounds_of(scene, instance));
+    });
     if (!box.isEmpty()) {
         center_ = box.center();
         radius_ = 0.5f * box.size().length();

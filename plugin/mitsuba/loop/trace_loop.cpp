@@ -4,10 +4,9 @@
 #include <mitsuba/render/sampler.h>
 
 #include "arrays/variants.h"
-#include "lanes/lane_lights.h"
+#include "loop/kernel_lights.h"
 #include "paths/mis_weight.h"
 #include "scene/surface_receiver.h"
-#include "scene/triangle_pdf.h"
 
 namespace mitsuba::culling {
 namespace {
@@ -45,13 +44,12 @@ class Bounce {
     MI_IMPORT_TYPES(Scene, Sampler, Emitter, EmitterPtr, BSDF, BSDFPtr, Shape, ShapePtr)
 
     using State = LoopState<Float, Spectrum>;
-    using Tables = LightTables<Float, Spectrum>;
     using Sample = LightSample<Float, Spectrum>;
 
     /// `derives`: operator() is called with `derived`.
-    Bounce(const PathContext<Float, Spectrum>& context, const Tables& tables,
+    Bounce(const PathContext<Float, Spectrum>& context, const LightTables<Float, Spectrum>& tables,
            const LightBvhArrays<Float>& bvh, bool derives = false)
-        : context_(context), tables_(tables), bvh_(bvh), lights_(tables, derives) {}
+        : context_(context), lights_(context, tables, bvh, derives) {}
 
     State start(const RayDifferential3f& rays, Sampler* sampler, const Mask& active) const {
         const Mask valid = !context_.hide_emitters && context_.scene->environment() != nullptr;
@@ -106,11 +104,10 @@ class Bounce {
         const EmitterPtr emitter = si.emitter(context_.scene, paths.active);
         const Mask is_there = emitter != nullptr;
         const Mask shines = paths.active && is_there && paths.bsdf_pdf > 0.0f;
-        const Float weight =
-            dr::select(paths.weigh,
-                       mis_weight(paths.bsdf_pdf,
-                                  light_pdf(paths, si, prim_uv, emitter, shines && paths.weigh)),
-                       1.0f);
+        const auto place_of = [&](const UInt32&, const Mask&) { return prim_uv; };
+        const Float light_pdf =
+            lights_.pdf(paths.last, paths.receiver, si, emitter, place_of, shines && paths.weigh);
+        const Float weight = dr::select(paths.weigh, mis_weight(paths.bsdf_pdf, light_pdf), 1.0f);
         const dr::resume_grad<Float> derivatives(derived != nullptr);
         add(paths, shines, paths.throughput * emitter->eval(si, shines) * weight, derived);
         return is_there;
@@ -126,34 +123,6 @@ class Bounce {
         }
     }
 
-    /// The density with which the last vertices would have sampled what was hit as a light.
-    Float light_pdf(const State& paths, const SurfaceInteraction3f& si, const Point2f& prim_uv,
-                    const EmitterPtr& emitter, const Mask& weigh) const {
-        const DirectionSample3f ds(context_.scene, si, paths.last);
-        const auto entry = tables_.find(emitter, weigh);
-        const Mask triangle = weigh && entry.kind == Tables::kTriangles;
-        const Mask whole = weigh && entry.kind == Tables::kWhole;
-        const Mask unplaced = weigh && entry.kind == Tables::kUnplaced;
-        const Mask is_light = triangle || whole;
-        Float pdf = 0.0f;
-        if (tables_.has_wholes() || tables_.has_unplaced()) {
-            pdf = dr::select(unplaced, entry.prob, 1.0f) *
-                  emitter->pdf_direction(paths.last, ds, whole || unplaced);
-        }
-        UInt32 light = entry.first_light + dr::select(triangle, si.prim_index, 0u);
-        if (tables_.has_triangles()) {
-            const auto place = tables_.find_place(light, prim_uv, triangle);
-            dr::masked(light, triangle) = place.light;
-            dr::masked(pdf, triangle) = triangle_pdf(place.density, si.n, ds.d, ds.dist);
-        }
-        dr::masked(pdf, !(is_light || unplaced)) = 0.0f;
-        if (has_choice()) {
-            dr::masked(pdf, is_light) =
-                pdf * bvh_.prob(paths.last.p, paths.receiver, light, is_light);
-        }
-        return pdf;
-    }
-
     /// Adds direct light, and scatters the paths.
     void shade(State& paths, SurfaceInteraction3f& si, const Mask& active,
                Spectrum* derived) const {
@@ -161,22 +130,22 @@ class Bounce {
         const BSDFContext context;
         const UInt32 flags = bsdf->flags();
         const Mask smooth = active && has_flag(flags, BSDFFlags::Smooth);
-        if (has_choice()) {
+        if (lights_.has_choice()) {
             paths.receiver = context_.has_lobes
                                  ? glossy_receiver<Float, Spectrum>(si, bsdf, flags, smooth)
                                  : matte_receiver<Float, Spectrum>(si, flags);
         }
-        if (has_lights() && tables_.has_unplaced()) {
-            const Sample sample = sample_unplaced(paths, si, smooth);
+        if (lights_.has_lights() && lights_.has_unplaced()) {
+            const Sample sample = lights_.sample_unplaced(si, paths.sampler, smooth, true);
             const auto [value, pdf] =
                 bsdf->eval_pdf(context, si, si.to_local(sample.direction), sample.active);
             add_if_visible(paths, si, bsdf, sample, value, pdf, derived);
         }
         Sample sample = dr::zeros<Sample>();
-        if (has_lights()) {
-            sample = sample_light(paths, si, smooth);
-        } else if (tables_.has_unplaced()) {
-            sample = sample_unplaced(paths, si, smooth);
+        if (lights_.has_lights()) {
+            sample = lights_.sample_light(si, paths.receiver, paths.sampler, smooth, true);
+        } else if (lights_.has_unplaced()) {
+            sample = lights_.sample_unplaced(si, paths.sampler, smooth, true);
         }
         const Float random_1 = paths.sampler->next_1d();
         const Point2f random_2 = paths.sampler->next_2d();
@@ -190,26 +159,6 @@ class Bounce {
         const Spectrum value_now = dr::detach(scattered);
         const Spectrum later = dr::select(value_now != 0.0f, paths.result / value_now, 0.0f);
         *derived += later * scattered;
-    }
-
-    bool has_lights() const { return !context_.lights->lights().empty(); }
-    bool has_choice() const { return context_.lights->lights().size() > 1; }
-
-    Sample sample_light(const State& paths, const SurfaceInteraction3f& si,
-                        const Mask& active) const {
-        ChosenLight<Float> chosen{0u, 1.0f, 1.0f};
-        if (has_choice()) {
-            const Float random_1 = paths.sampler->next_1d(), random_2 = paths.sampler->next_1d();
-            chosen = bvh_.choose(si.p, paths.receiver, random_1, random_2, active);
-        }
-        return lights_.sample_chosen(si, chosen, lights_.draw_random(*paths.sampler), active);
-    }
-
-    Sample sample_unplaced(const State& paths, const SurfaceInteraction3f& si,
-                           const Mask& active) const {
-        const Float random =
-            tables_.has_several_unplaced() ? paths.sampler->next_1d() : Float(0.0f);
-        return lights_.sample_unplaced(si, random, paths.sampler->next_2d(), active);
     }
 
     void add_if_visible(State& paths, const SurfaceInteraction3f& si, const BSDFPtr& bsdf,
@@ -247,9 +196,7 @@ class Bounce {
     }
 
     const PathContext<Float, Spectrum>& context_;
-    const Tables& tables_;
-    const LightBvhArrays<Float>& bvh_;
-    LaneLights<Float, Spectrum> lights_;
+    KernelLights<Float, Spectrum> lights_;
 };
 
 }  // namespace

@@ -7,7 +7,6 @@
 #include <string>
 #include <utility>
 
-#include "arrays/variants.h"
 #include "loop/trace_loop.h"
 #include "paths/path_context.h"
 #include "paths/progress_bar.h"
@@ -15,7 +14,7 @@
 #include "render/errors_in_log.h"
 #include "render/llvm_render_lock.h"
 #include "render/loop_lights.h"
-#include "render/other_variants.h"
+#include "render/register_integrator.h"
 #include "render/render_task.h"
 #include "sampler/range_sets.h"
 #include "sampler/reusable_sampler.h"
@@ -471,24 +470,9 @@ class LightcullPath final : public MonteCarloIntegrator<Float, Spectrum> {
     LaneMemory memory_;  // of the render that holds the lock
 };
 
-namespace {
-
-template <typename Float, typename Spectrum>
-void register_variant(std::string_view name, PluginRegisterFn register_plugin) {
-    using Plugin = LightcullPath<Float, Spectrum>;
-    register_plugin(
-        name, Plugin::Variant, ObjectType::Integrator,
-        [](void*, const Properties& properties) -> ref<Object> { return new Plugin(properties); });
-}
-
-}  // namespace
 }  // namespace mitsuba::culling
 
 extern "C" MI_EXPORT void init_plugin(std::string_view name,
                                       mitsuba::PluginRegisterFn register_plugin) {
-    using namespace mitsuba::culling;
-#define REGISTER(Float, Spectrum) register_variant<Float, Spectrum>(name, register_plugin);
-    LIGHTCULL_VARIANTS(REGISTER)
-#undef REGISTER
-    register_refusals(name, register_plugin);
+    mitsuba::culling::register_integrator<mitsuba::culling::LightcullPath>(name, register_plugin);
 }

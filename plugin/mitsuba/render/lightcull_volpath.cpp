@@ -3,13 +3,12 @@
 #include <string_view>
 #include <utility>
 
-#include "arrays/variants.h"
 #include "paths/path_context.h"
 #include "render/caller_lights.h"
 #include "render/errors_in_log.h"
 #include "render/llvm_render_lock.h"
 #include "render/loop_lights.h"
-#include "render/other_variants.h"
+#include "render/register_integrator.h"
 #include "scene/many_shapes_warning.h"
 #include "scene/scene_lights.h"
 #include "scene/surface_receiver.h"
@@ -126,24 +125,10 @@ class LightcullVolpath final : public MonteCarloIntegrator<Float, Spectrum> {
     mutable CallerLights<Float, Spectrum> caller_lights_;
 };
 
-namespace {
-
-template <typename Float, typename Spectrum>
-void register_variant(std::string_view name, PluginRegisterFn register_plugin) {
-    using Plugin = LightcullVolpath<Float, Spectrum>;
-    register_plugin(
-        name, Plugin::Variant, ObjectType::Integrator,
-        [](void*, const Properties& properties) -> ref<Object> { return new Plugin(properties); });
-}
-
-}  // namespace
 }  // namespace mitsuba::culling
 
 extern "C" MI_EXPORT void init_plugin(std::string_view name,
                                       mitsuba::PluginRegisterFn register_plugin) {
-    using namespace mitsuba::culling;
-#define REGISTER(Float, Spectrum) register_variant<Float, Spectrum>(name, register_plugin);
-    LIGHTCULL_VARIANTS(REGISTER)
-#undef REGISTER
-    register_refusals(name, register_plugin);
+    mitsuba::culling::register_integrator<mitsuba::culling::LightcullVolpath>(name,
+                                                                              register_plugin);
 }

@@ -2,17 +2,11 @@
 
 #include <lightcull/samplers.h>
 
-#include <mitsuba/core/warp.h>
-
-#include <cmath>
 #include <optional>
 
 #include "arrays/variants.h"
-#include "paths/draw_place.h"
 #include "paths/mis_weight.h"
-#include "scene/surface_receiver.h"
-#include "scene/triangle_pdf.h"
-#include "scene/triangle_point.h"
+#include "scalar/light_samples.h"
 
 namespace mitsuba::culling {
 namespace {
@@ -20,11 +14,6 @@ namespace {
 using ::lightcull::LightOutcome;
 using ::lightcull::Selection;
 using ::lightcull::ShadingPoint;
-
-template <typename Vector>
-::lightcull::float3 to_float3(const Vector& v) {
-    return {v.x(), v.y(), v.z()};
-}
 
 /// One path, from the camera to its end. Where light is added, and in depths, roulette and weights,
 /// it does what Mitsuba's `path` does.
@@ -34,7 +23,7 @@ class ScalarPath {
     MI_IMPORT_TYPES(Scene, Sampler, Emitter, BSDF)
 
     ScalarPath(const PathContext<Float, Spectrum>& context, Sampler* sampler, const PathSets& sets)
-        : context_(context), sampler_(sampler), sets_(sets) {}
+        : context_(context), samples_(context), sampler_(sampler), sets_(sets) {}
 
     std::pair<Spectrum, bool> trace(const RayDifferential3f& camera_ray) {
         ray_ = Ray3f(camera_ray);
@@ -78,16 +67,9 @@ class ScalarPath {
 
     /// The density with which the last vertex would have sampled what was hit as a light.
     Float light_pdf(const Emitter* emitter, const Point2f& prim_uv) const {
-        const DirectionSample3f ds(context_.scene, si_, last_);
-        const auto* source = context_.lights->find(emitter);
-        if (!source) {
-            const Float prob = context_.lights->unplaced_prob(emitter);
-            return prob > 0.0f ? prob * emitter->pdf_direction(last_, ds) : 0.0f;
-        }
-        if (!source->mesh) return prob(source->first) * emitter->pdf_direction(last_, ds);
-        const auto [light, density] = context_.lights->places().find(source->first + si_.prim_index,
-                                                                     {prim_uv.x(), prim_uv.y()});
-        return prob(light) * triangle_pdf(density, si_.n, ds.d, ds.dist);
+        return samples_.pdf(
+            last_, si_, emitter, [&](std::uint32_t) { return prim_uv; },
+            [this](std::uint32_t light) { return prob(light); });
     }
 
     /// Adds direct light at si_, and scatters the path; false if it ends here.
@@ -124,11 +106,8 @@ class ScalarPath {
         const Receiver<Float> receiver =
             glossy ? glossy_receiver<Float, Spectrum>(si_, bsdf, bsdf_flags, true)
                    : matte_receiver<Float, Spectrum>(si_, bsdf_flags);
-        point_ = {to_float3(si_.p),
-                  to_float3(receiver.normal),
-                  sets_.at(depth_, context_.light_sampler->set_count()),
-                  receiver.diffuse,
-                  {to_float3(receiver.axis), receiver.alpha, receiver.peak}};
+        point_ =
+            shading_point(si_.p, receiver, sets_.at(depth_, context_.light_sampler->set_count()));
         selection_ = context_.light_sampler->select(point_, sampler_->next_1d());
     }
 
@@ -141,14 +120,12 @@ class ScalarPath {
     /// Adds light from the light that was selected, and reports whether any arrived.
     void add_light(const BSDF* bsdf) {
         if (!(selection_.prob > 0.0f)) return;
-        const auto& source = context_.lights->source_of(selection_.light);
-        const Float mis_prob = selection_.mis_prob;
         const auto select_prob = [this](const Point3f& p) {
             return selection_.prob * vertex_prob(p);
         };
-        const Arrival arrival = source.mesh
-                                    ? add_triangle(bsdf, source, mis_prob)
-                                    : add_whole(bsdf, source.emitter, select_prob, mis_prob);
+        const Arrival arrival = add_if_visible(
+            bsdf,
+            samples_.of_light(si_, selection_.light, sampler_, select_prob, selection_.mis_prob));
         if (arrival) report(*arrival);
     }
 
@@ -161,34 +138,6 @@ class ScalarPath {
         context_.light_sampler->report({&outcome, 1});
     }
 
-    /// Adds light from a point on the triangle that was chosen.
-    Arrival add_triangle(const BSDF* bsdf,
-                         const typename SceneLights<Float, Spectrum>::Source& source,
-                         Float mis_prob) {
-        const auto& [index, corners] = context_.lights->triangles()[selection_.light];
-        const auto& [a, b, c] = corners;
-        const auto [place, density] =
-            draw_place(context_.lights->places(), selection_.light, sampler_);
-        const Point2f uv(place.x, place.y);
-        const Point3f p0(a.x, a.y, a.z), p1(b.x, b.y, b.z), p2(c.x, c.y, c.z);
-        const Point3f p = p0 * (1.0f - uv.x() - uv.y()) + p1 * uv.x() + p2 * uv.y();
-        const Vector3f way = p - si_.p;
-        const Float distance = dr::norm(way);
-        if (!(distance > 0.0f)) return {};
-        const Vector3f direction = way / distance;
-        SurfaceInteraction3f at = triangle_point<Float, Spectrum>(source.mesh, index, uv);
-        at.wi = at.to_local(-direction);
-        at.wavelengths = ray_.wavelengths;
-        at.time = ray_.time;
-        const Spectrum radiance = source.emitter->eval(at);
-        const Float pdf = triangle_pdf(density, at.n, direction, distance);
-        if (!std::isfinite(pdf) || dr::all(unpolarized_spectrum(radiance) == 0.0f)) return {};
-        const Float select_prob = selection_.prob * vertex_prob(p);
-        if (!(select_prob > 0.0f)) return {};
-        const Spectrum weight = radiance / (select_prob * pdf);
-        return add_if_visible(bsdf, p, direction, weight, mis_prob * pdf, false);
-    }
-
     /// The part of the selected light's probability that depends on the place on it.
     Float vertex_prob(const Point3f& p) const {
         if (!context_.vertex_culling) return 1.0f;
@@ -196,45 +145,21 @@ class ScalarPath {
                                                     to_float3(p));
     }
 
-    /// Adds light from an emitter that Mitsuba samples. select_prob(p): with what probability it is
-    /// selected, if p is sampled on it.
-    template <typename SelectProb>
-    Arrival add_whole(const BSDF* bsdf, const Emitter* emitter, const SelectProb& select_prob,
-                      Float mis_prob) {
-        const auto [ds, weight] = emitter->sample_direction(si_, sampler_->next_2d());
-        if (!(ds.pdf > 0.0f)) return {};
-        const Float prob = select_prob(ds.p);
-        if (!(prob > 0.0f)) return {};
-        return add_if_visible(bsdf, ds.p, ds.d, weight / prob, mis_prob * ds.pdf, ds.delta);
-    }
-
     /// Adds light from one of the emitters without a place.
     void add_unplaced(const BSDF* bsdf) {
-        const auto& unplaced = context_.lights->unplaced();
-        if (unplaced.empty()) return;
-        std::size_t chosen = 0;
-        if (unplaced.size() > 1) {
-            Float u = sampler_->next_1d();
-            while (chosen + 1 < unplaced.size() && u >= unplaced[chosen].prob) {
-                u -= unplaced[chosen++].prob;
-            }
-        }
-        const auto& unplaced_emitter = unplaced[chosen];
-        const Float prob = unplaced_emitter.prob;
-        add_whole(
-            bsdf, unplaced_emitter.emitter, [prob](const Point3f&) { return prob; }, prob);
+        if (context_.lights->unplaced().empty()) return;
+        add_if_visible(bsdf, samples_.of_unplaced(si_, sampler_));
     }
 
-    /// Adds light from a sample if nothing hides it: `weight` is its radiance divided by its
-    /// density, `pdf` the density that stands for it in weights.
-    Arrival add_if_visible(const BSDF* bsdf, const Point3f& p, const Vector3f& direction,
-                           const Spectrum& weight, Float pdf, bool is_delta) {
-        const Vector3f wo = si_.to_local(direction);
+    /// Adds the light of a sample if nothing hides it.
+    Arrival add_if_visible(const BSDF* bsdf, const LightSample<Float, Spectrum>& sample) {
+        if (!sample.active) return {};
+        const Vector3f wo = si_.to_local(sample.direction);
         const auto [value, bsdf_pdf] = bsdf->eval_pdf(BSDFContext(), si_, wo);
         if (dr::all(unpolarized_spectrum(value) == 0.0f)) return {};
-        if (context_.scene->ray_test(si_.spawn_ray_to(p))) return false;
-        const Float mis = is_delta ? Float(1.0f) : mis_weight(pdf, bsdf_pdf);
-        result_ += throughput_ * value * weight * mis;
+        if (context_.scene->ray_test(si_.spawn_ray_to(sample.p))) return false;
+        const Float mis = sample.delta ? Float(1.0f) : mis_weight(sample.pdf, bsdf_pdf);
+        result_ += throughput_ * value * sample.weight * mis;
         return true;
     }
 
@@ -250,6 +175,7 @@ class ScalarPath {
     }
 
     const PathContext<Float, Spectrum>& context_;
+    LightSamples<Float, Spectrum> samples_;
     Sampler* sampler_;
     PathSets sets_;
     Ray3f ray_;

@@ -180,7 +180,10 @@ class VolumeStep {
         const Mask weigh = shines && paths.weigh;
         Float weight = 1.0f;
         if (dr::any_or<true>(weigh)) {
-            const Float pdf = lights_.pdf(paths.last, paths.receiver, si, emitter, weigh);
+            const auto place_of = [&](const UInt32& light, const Mask& on_triangle) {
+                return lights_.place_of(si.p, light, on_triangle);
+            };
+            const Float pdf = lights_.pdf(paths.last, paths.receiver, si, emitter, place_of, weigh);
             dr::masked(weight, weigh) = mis_weight(paths.pdf, pdf);
         }
         dr::masked(paths.result, shines) =
@@ -212,10 +215,11 @@ class VolumeStep {
         if (dr::any_or<true>(samples)) {
             if (lights_.has_lights()) {
                 add_light(paths, vertex,
-                          lights_.sample_light(point, receiver, paths.sampler, samples));
+                          lights_.sample_light(point, receiver, paths.sampler, samples, samples));
             }
             if (lights_.has_unplaced()) {
-                add_light(paths, vertex, lights_.sample_unplaced(point, paths.sampler, samples));
+                add_light(paths, vertex,
+                          lights_.sample_unplaced(point, paths.sampler, samples, samples));
             }
         }
         advance(paths, vertex, receiver, on_surface, samples, goes_on);
