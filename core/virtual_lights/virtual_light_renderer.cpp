@@ -78,7 +78,7 @@ constexpr std::size_t kBytesPerPixel = sizeof(Surface) + sizeof(std::uint8_t) + 
 /// The bytes that a virtual light takes when most of it is there. For kGrid they are those where no
 /// two lights share a cell of the finest grid (a third of it has been seen where many do).
 std::size_t bytes_per_light(const VirtualLightOptions& options) noexcept {
-    constexpr std::size_t kOfTiles = 280, kOfGrid = 2300;
+    constexpr std::size_t kOfTiles = 280, kOfGrid = 1900;
     const bool maps = options.shadows == VirtualShadows::kMaps;
     return (options.method == VirtualLightMethod::kGrid ? kOfGrid : kOfTiles) +
            (maps ? ImperfectShadowMaps::kBytesPerLight : 0);

@@ -143,7 +143,12 @@ std::vector<LightMoments> scatter_to_vertices(const std::vector<LightMoments>& l
     });
     tbb::parallel_sort(vertices.begin(), vertices.end());
 
+    std::size_t most = 0;
+    for (std::size_t i = 0; i < vertices.size(); ++i) {
+        most += i == 0 || vertices[i] >> 32 != vertices[i - 1] >> 32 ? 1 : 0;
+    }
     std::vector<LightMoments> result;
+    result.reserve(most);  // growth would hold it twice, beside all of the corners
     std::uint64_t last = 0;
     for (std::size_t i = 0; i < vertices.size(); ++i) {
         const auto from = static_cast<std::uint32_t>(vertices[i]);
