@@ -1,6 +1,6 @@
 """How near two workers come to twice the speed of one, and what adding up takes.
 
-    python tests/bench/cluster_efficiency.py [--scene lanterns] [--size 320x240 1920x1080] [--chunks 24]
+    python tests/bench/cluster_efficiency.py [--scene lanterns] [--size 320x240 1920x1080] [--chunks 24 4]
 
 Workers of one thread on this machine, in pairs of renders by one and by two, in turns; the first pair
 warms up. Of `ideal`, 1 is twice as fast. `adding` is the share of the time of two workers in which the
@@ -36,10 +36,10 @@ class Clock:
         chunk_film.ChunkFilm.add = timed  # type: ignore[method-assign]
 
 
-def seconds_of(client: distributed.Client, options: argparse.Namespace, size: str) -> float:
+def seconds_of(client: distributed.Client, scene: str, size: str, chunks: int) -> float:
     width, height = map(int, size.split("x"))
     result = lightcull.render(
-        lightcull.open_scene(options.scene), "culled", spp=CHUNK * options.chunks,
+        lightcull.open_scene(scene), "culled", spp=CHUNK * chunks,
         size=(width, height), threads=1, chunk=CHUNK, cluster=client,
     )  # fmt: skip
     return result.stats.seconds - result.stats.setup_seconds
@@ -51,7 +51,7 @@ def cluster_of(workers: int) -> distributed.LocalCluster:
     )
 
 
-def measure(size: str, options: argparse.Namespace, clock: Clock) -> None:
+def measure(size: str, chunks: int, options: argparse.Namespace, clock: Clock) -> None:
     ratios, shares = [], []
     with (
         cluster_of(1) as small, cluster_of(2) as large,
@@ -59,9 +59,9 @@ def measure(size: str, options: argparse.Namespace, clock: Clock) -> None:
         distributed.Client(large, set_as_default=False) as two,
     ):  # fmt: skip
         for _ in range(options.pairs + 1):
-            alone = seconds_of(one, options, size)
+            alone = seconds_of(one, options.scene, size, chunks)
             clock.seconds = 0.0
-            together = seconds_of(two, options, size)
+            together = seconds_of(two, options.scene, size, chunks)
             ratios.append(alone / together / 2)
             shares.append(clock.seconds / together)
     width, height = map(int, size.split("x"))
@@ -76,12 +76,12 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--scene", default="lanterns")
     parser.add_argument("--size", nargs="+", default=["320x240", "1920x1080"])
-    parser.add_argument("--chunks", type=int, default=24, help="default: 24")
+    parser.add_argument("--chunks", nargs="+", type=int, default=[24, 4], help="of each size")
     parser.add_argument("--pairs", type=int, default=3, help="default: 3")
     options = parser.parse_args()
     clock = Clock()
-    for size in options.size:
-        measure(size, options, clock)
+    for size, chunks in zip(options.size, options.chunks, strict=True):
+        measure(size, chunks, options, clock)
 
 
 if __name__ == "__main__":
