@@ -92,7 +92,7 @@ CutDemand uneven(float distance, bool linear) {
             densities[i] = std::max(value(corners[i]), 0.05 * mean);
             emission.densities[i] = static_cast<float>(densities[i]);
         }
-        const auto [o, p, q] = part.corners;
+        const float2 o = part.corners[0], p = part.corners[1], q = part.corners[2];
         const double area = static_cast<double>(area_share(part));
         const double third = (densities[0] + densities[1] + densities[2]) / 3.0;
         const auto square_over_density = [&](float2 at) {
