@@ -1,6 +1,7 @@
 #include "lights/ranges/range_tree.h"
 
 #include <algorithm>
+#include <cassert>
 
 #include "base/memory_size.h"
 #include "base/parallel_blocks.h"
@@ -25,17 +26,16 @@ RangeTree::RangeTree(Span<const RangedLight> lights, const RandomRanges& ranges)
       radii_(tree().slot_count() * ranges.set_count()) {
 }
 
-RangeTree::RangeTree(const RangeTree& other, Span<const RangedLight> records,
-                     const RandomRanges& ranges)
-    : ranges_(ranges),
-      topology_(std::make_shared<const Topology>(Topology{
-          refit_sphere_tree(other.tree(), records, ranges.reach()), other.topology_->refit_order})),
-      radii_(tree().slot_count() * ranges.set_count()) {
-}
-
 RangeTree::RangeTree(const RangeTree& other, std::uint64_t pass)
     : ranges_(other.ranges_), topology_(other.topology_), radii_(other.radii_.size()) {
     begin_pass(pass);
+}
+
+void RangeTree::update(Span<const RangedLight> records, const RandomRanges& ranges) {
+    assert(ranges.set_count() == ranges_.set_count());
+    topology_ = std::make_shared<const Topology>(Topology{
+        refit_sphere_tree(tree(), records, ranges.reach()), topology_->refit_order});
+    ranges_ = ranges;
 }
 
 void RangeTree::begin_pass(std::uint64_t pass) {

@@ -22,12 +22,13 @@ class LIGHTCULL_CORE_EXPORT RangeTree {
     /// Makes a tree that has no ranges before the first begin_pass().
     RangeTree(Span<const RangedLight> lights, const RandomRanges& ranges);
 
-    /// Makes a tree of the topology of another over lights that have changed, by record. It has no
-    /// ranges before the first begin_pass().
-    RangeTree(const RangeTree& other, Span<const RangedLight> records, const RandomRanges& ranges);
-
     /// Makes a tree with the ranges of another pass over the same topology, which both share.
     RangeTree(const RangeTree& other, std::uint64_t pass);
+
+    /// Takes lights that have changed, by record, and ranges of as many sets. The topology stays. It
+    /// has no ranges before the next begin_pass(). Trees of other passes keep what they have; where
+    /// memory lacks, so does this one.
+    void update(Span<const RangedLight> records, const RandomRanges& ranges);
 
     /// Draws all ranges of the pass and refits the tree. Runs in the caller's TBB arena.
     void begin_pass(std::uint64_t pass);

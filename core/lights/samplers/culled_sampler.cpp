@@ -83,9 +83,10 @@ class CulledSampler final : public CulledSamplerBase, public SamplerInfo {
             result.growth = growth(looseness(groups.bvh), built_looseness_);
             result.rebuilt = result.growth > max_growth;
             if (!result.rebuilt) {
-                RangeTree tree(tree_, groups.ranged(), ranges);
-                groups_ = std::make_shared<const LightGroups>(std::move(groups));
-                tree_ = std::move(tree);
+                const std::vector<RangedLight> ranged = groups.ranged();
+                auto updated = std::make_shared<const LightGroups>(std::move(groups));
+                tree_.update(ranged, ranges);  // what throws comes before what changes
+                groups_ = std::move(updated);
                 frame_ = table.frame;
             }
         }
