@@ -78,7 +78,7 @@ void Wavefront::intersect() {
 
 void Wavefront::add_emission() {
     V3f* const seen = depth_ == 1 ? pass_->emission : nullptr;
-    const auto add = [&](std::uint32_t pixel, V3f light) {
+    const auto add = [&](std::uint32_t pixel, const V3f& light) {
         pass_->pixels[pixel] += light;
         if (seen != nullptr) seen[pixel] += light;
     };
