@@ -26,7 +26,8 @@ std::shared_ptr<const Scene> hall() {
     floor.add_level_square({0, 0, 0}, 4.0f, true);
     std::vector<float3> powers;
     for (int i = 0; i < 64; ++i) {
-        const auto x = static_cast<float>(i % 8) - 3.5f, z = static_cast<float>(i / 8) - 3.5f;
+        const int column = i % 8, row = i / 8;
+        const auto x = static_cast<float>(column) - 3.5f, z = static_cast<float>(row) - 3.5f;
         lamps.add_level_square({x, 1.2f + 0.1f * static_cast<float>(i % 5), z}, 0.2f, false);
         const float power = std::exp(0.5f * static_cast<float>(i % 7));
         powers.insert(powers.end(), 2, {power, power, power});

@@ -208,7 +208,7 @@ TEST_CASE("a cut's places hold each cluster once, near ones first") {
 TEST_CASE("a choice out of a cut falls on each place as often as its weight says") {
     // As many places as with an odd number of opened nodes: the last row is half of one.
     ClusterCut cut;
-    for (std::uint8_t i = 0; i < CutWeights::kRuns; ++i) {
+    for (std::size_t i = 0; i < CutWeights::kRuns; ++i) {
         cut.run[i] = static_cast<std::uint8_t>(7 * i % CutWeights::kRuns);
     }
     CutWeights weights{};
@@ -224,8 +224,8 @@ TEST_CASE("a choice out of a cut falls on each place as often as its weight says
     add_up(cut, weights);
     REQUIRE(weights.total() == total);
     std::vector<float> chosen(weights.size);
-    for (float place = 0.0f; place < total; ++place) {
-        const CutChoice choice = choose(cut, weights, double{place + 0.5f} / double{total});
+    for (int place = 0; place < static_cast<int>(total); ++place) {
+        const CutChoice choice = choose(cut, weights, (place + 0.5) / double{total});
         REQUIRE(choice.place < weights.size);
         CHECK(choice.within >= 0.0);
         CHECK(choice.within < 1.0);

@@ -186,6 +186,7 @@ TEST_CASE("neighbours take other sets at the same sample, and other squares othe
             // A square of 4x4 pixels has sixteen evenly spread rotations of one draw.
             std::set<std::uint32_t> strata, draws;
             const std::uint32_t width = pattern.rotations() / 16;
+            REQUIRE(width > 0);
             for (std::uint32_t y = 8; y < 12; ++y) {
                 for (std::uint32_t x = 4; x < 8; ++x) {
                     const std::uint32_t set = set_of_sample(x, y, sample, 0, sets);

@@ -39,6 +39,7 @@ Estimate estimate(const LightSampler& sampler, const std::vector<Light>& lights,
                   const std::vector<ShadingPoint>& points, int rounds) {
     double sum = 0.0, squares = 0.0;
     std::vector<double> truths;
+    truths.reserve(points.size());
     for (const ShadingPoint& point : points) truths.push_back(truth(lights, point));
     std::vector<Selection> selections(points.size());
     for (int round = 0; round < rounds; ++round) {
@@ -462,6 +463,7 @@ TEST_CASE(
     const std::vector<Light> lights = lamps();
     const std::vector<ShadingPoint> points = floor_points(16);
     std::vector<double> truths;
+    truths.reserve(points.size());
     for (const ShadingPoint& point : points) truths.push_back(truth(lights, point));
     constexpr int kRuns = 400;
     constexpr std::uint64_t kPasses = 12;
