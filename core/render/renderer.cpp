@@ -33,10 +33,7 @@ double seconds_since(Clock::time_point start) {
 }
 
 /// What other keys of PixelNumbers than numbers_key() are hashed from beside the seed and the pass.
-constexpr std::uint64_t kForTrials = 2, kForTraining = 3, kForFirstTraining = 4;
-
-/// The rounds of training before the first pass.
-constexpr std::uint64_t kFirstRounds = 4;
+constexpr std::uint64_t kForTrials = 2, kForTraining = 3;
 
 /// The bytes that LightSampler::select() needs for a point meanwhile.
 constexpr std::size_t kSelectionScratch = 20;
@@ -75,9 +72,8 @@ struct Renderer::Impl {
     Film emission;
     std::optional<float> last_ray_share;  ///< Pass::last_ray_share, once it has been found
     RenderStats stats;
-    RenderStats cost;                ///< statistics of the pass under way
-    std::uint64_t first_rounds = 0;  ///< rounds of training before the first pass, so far
-    std::uint64_t refits;            ///< SceneData::refits when the image was begun
+    RenderStats cost;      ///< statistics of the pass under way
+    std::uint64_t refits;  ///< SceneData::refits when the image was begun
 
     Impl(std::shared_ptr<const Scene> s, const RenderSettings& r, std::unique_ptr<LightSampler> l)
         : scene(std::move(s)),
@@ -99,8 +95,7 @@ struct Renderer::Impl {
 
     void render_regions(const std::atomic<bool>* cancel);
     void render_all(const Pass& pass);
-    void train_first(const std::atomic<bool>* cancel);
-    void train(std::uint64_t number, std::uint64_t numbers_key, const std::atomic<bool>* cancel);
+    void train(const std::atomic<bool>* cancel);
     void render_tiles(const Pass& pass, const std::vector<Tile>& tiles);
     void select_lights(const std::vector<std::uint8_t>& under_way);
 
@@ -110,45 +105,24 @@ struct Renderer::Impl {
 };
 
 void Renderer::Impl::render_regions(const std::atomic<bool>* cancel) {
-    if (stats.passes == 0) train_first(cancel);
-    if (cancel != nullptr && cancel->load()) return;
     // The ranges of light samplers must differ from seed to seed, too.
     const Clock::time_point start = Clock::now();
     sampler->begin_pass(mix(settings.seed) + stats.passes);
     cost.sampler_seconds += seconds_since(start);
-    if (sampler->wants_reports()) {
-        train(stats.passes, hash(settings.seed, kForTraining, stats.passes), cancel);
-    }
+    if (sampler->wants_reports()) train(cancel);
     std::fill(pass_pixels.begin(), pass_pixels.end(), V3f(0.0f));
     std::fill(pass_emission.begin(), pass_emission.end(), V3f(0.0f));
     render_all(pass_of(stats.passes, settings, cancel));
 }
 
-/// Lets the sampler learn before the first pass. While what it knows changes from pass to pass,
-/// even numbers cannot make up for what each pass has left out, and the first passes, by a sampler
-/// that knows nothing, would be most of the error that is left.
-void Renderer::Impl::train_first(const std::atomic<bool>* cancel) {
-    while (first_rounds < kFirstRounds) {
-        const std::uint64_t key = hash(settings.seed, kForFirstTraining, first_rounds);
-        const Clock::time_point start = Clock::now();
-        sampler->begin_pass(key);
-        cost.sampler_seconds += seconds_since(start);
-        if (!sampler->wants_reports()) return;
-        train(~first_rounds, key, cancel);  // from other places than those of the passes to come
-        if (cancel != nullptr && cancel->load()) return;
-        ++first_rounds;
-    }
-}
-
 /// Lets the sampler learn from paths of some pixels, which are no part of the image. Those that are
 /// have numbers that cover their range evenly from pass to pass: what was learned from them would
 /// depend on numbers to come, and bias the image.
-void Renderer::Impl::train(std::uint64_t number, std::uint64_t numbers_key,
-                           const std::atomic<bool>* cancel) {
+void Renderer::Impl::train(const std::atomic<bool>* cancel) {
     constexpr std::uint32_t kPoints = 1u << 14;  // so many tell enough
     const RenderStats before = cost;
-    Pass pass = pass_of(number, training, cancel);
-    pass.numbers_key = numbers_key;
+    Pass pass = pass_of(stats.passes, training, cancel);
+    pass.numbers_key = hash(settings.seed, kForTraining, stats.passes);
     pass.reports = true;
     pass.one_in = std::clamp(settings.width * settings.height / kPoints, 1u, 16u);
     render_all(pass);

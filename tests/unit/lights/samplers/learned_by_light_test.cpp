@@ -81,9 +81,12 @@ TEST_CASE("learned: where each light is weighed, probabilities are those of sele
     const std::vector<Light> lights = bulbs(60);
     const auto sampler = make_sampler("learned", lights);
     teach(*sampler, lights, floor_points(2000), 0, 12);
+    std::size_t by_light = 0;
     for (const ShadingPoint& point : floor_points(60)) {
         const Selection s = sampler->select(point, 0.4f);
-        REQUIRE(sampler_info(*sampler)->count(point).lights_tested == lights.size());
+        const auto weighed = sampler_info(*sampler)->count(point).lights_tested;
+        if (weighed < lights.size()) continue;  // a cluster may reach it of which no light does
+        ++by_light;
         double sum = 0.0;
         for (std::uint32_t i = 0; i < lights.size(); ++i) {
             sum += double{sampler->prob(point, s.receipt, i)};
@@ -91,6 +94,7 @@ TEST_CASE("learned: where each light is weighed, probabilities are those of sele
         CHECK(sum == doctest::Approx(1.0).epsilon(1e-4));
         CHECK(sampler->prob(point, s.receipt, s.light) == s.prob);
     }
+    CHECK(by_light > 15);
 }
 
 TEST_CASE("learned: where each light is weighed, what is hidden still counts for less") {
