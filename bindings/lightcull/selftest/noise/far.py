@@ -44,7 +44,7 @@ def _directional(count: int) -> Stage:
     return stage
 
 
-def dome_ways(count: int) -> np.ndarray:
+def _dome_ways(count: int) -> np.ndarray:
     """Evenly spread over the upper hemisphere, down to 6 degrees above the horizon."""
     index = np.arange(count) + 0.5
     y = 0.1 + 0.9 * index / count
@@ -56,7 +56,7 @@ def dome_ways(count: int) -> np.ndarray:
 def _dome() -> Stage:
     stage = Stage()
     power = np.random.default_rng(5).lognormal(0, 1.5, 500)
-    stage.points(dome_ways(500) * 400, 500 * power)
+    stage.points(_dome_ways(500) * 400, 500 * power)
     return stage
 
 
@@ -64,7 +64,7 @@ def _dome_of_triangles() -> Stage:
     stage = Stage()
     random = np.random.default_rng(6)
     panels = []
-    for way in dome_ways(400):
+    for way in _dome_ways(400):
         u = np.cross(way, random.normal(0, 1, 3))
         u *= 2 / np.linalg.norm(u)
         panels.append(cut_up(way * 100, u, np.cross(u, way), 1))
