@@ -18,6 +18,7 @@ void ClusterCut::clear() noexcept {
     std::fill(std::begin(first_leaf), std::end(first_leaf), 0xffffffffu);
     std::fill(std::begin(slot), std::end(slot), LightBvh<MeansNode>::kNoSlot);
     size = near_size = 0;
+    by_light = false;
 }
 
 std::uint32_t ClusterCut::cluster_of_leaf(std::uint32_t leaf) const noexcept {

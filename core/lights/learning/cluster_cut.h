@@ -30,6 +30,7 @@ struct alignas(64) ClusterCut : ClusterMeans<128> {
                                          ///< see CutWeights::sums
     std::uint32_t size = 0;              ///< number of clusters
     std::uint32_t near_size = 0;         ///< place of the first far one, a multiple of kBlock
+    bool by_light = false;  ///< true where the clusters are misjudged, and each light is weighed
 
     ClusterCut() noexcept { clear(); }
     void clear() noexcept;

@@ -10,6 +10,7 @@
 #include "base/random.h"
 #include "base/reversed_bits.h"
 #include "lights/bvh/light_bvh_kernels.h"
+#include "lights/learning/light_rows.h"
 
 namespace lightcull {
 namespace {
@@ -376,10 +377,11 @@ void rebuild_cut(const LightBvh<MeansNode>& bvh, const LeafOrder& leaves, const 
         cut.visible[i] = visible_factor(cluster.evidence);
         evidence.of[i] = cluster.evidence;
     }
-    refresh_cut(bvh, place, cut);
+    refresh_cut(bvh, leaves, place, cut);
 }
 
-void refresh_cut(const LightBvh<MeansNode>& bvh, const CutPlace& place, ClusterCut& cut) noexcept {
+void refresh_cut(const LightBvh<MeansNode>& bvh, const LeafOrder& leaves, const CutPlace& place,
+                 ClusterCut& cut) noexcept {
     // Two nodes further down is about as good as all of them.
     constexpr int kDepth = 2;
     constexpr float kLeast = 0.25f, kMost = 4.0f;
@@ -394,6 +396,8 @@ void refresh_cut(const LightBvh<MeansNode>& bvh, const CutPlace& place, ClusterC
         cut.scale[at] = cut.visible[i] * std::clamp(judged, kLeast, kMost);
         cut.far_scale[at] *= cut.scale[at];
     }
+    const bool may_be = cut.size < leaves.size() && leaves.size() <= LightRows::kMost;
+    cut.by_light = may_be && gains_by_each_light(bvh, place, cut);
 }
 
 }  // namespace lightcull

@@ -58,7 +58,13 @@ inline constexpr float kMostVisible = 0x1.fffffep-1f;
 void rebuild_cut(const LightBvh<MeansNode>& bvh, const LeafOrder& leaves, const CutPlace& place,
                  ClusterCut& cut, CutEvidence& evidence);
 
+/// True if points of a place are better served by the weights of all lights than by a cut, whose
+/// clusters are misjudged there: by the variance of a sample at some of them.
+bool gains_by_each_light(const LightBvh<MeansNode>& bvh, const CutPlace& place,
+                         const ClusterCut& cut) noexcept;
+
 /// Takes the quantities of clusters, and their scales, from a tree that has been refitted.
-void refresh_cut(const LightBvh<MeansNode>& bvh, const CutPlace& place, ClusterCut& cut) noexcept;
+void refresh_cut(const LightBvh<MeansNode>& bvh, const LeafOrder& leaves, const CutPlace& place,
+                 ClusterCut& cut) noexcept;
 
 }  // namespace lightcull

@@ -225,9 +225,40 @@ HWY_ATTR inline float weight_of(const ClusterCut& cut, std::uint32_t place,
     return weights[place - first];
 }
 
+HWY_ATTR inline void weigh_lights(const LightRows& lights, const LightFactors& factors,
+                                  const Receiver& receiver, LightWeights& weights) {
+    static_assert(LightRows::kColumns == kStride);
+    const Tag d;
+    const std::size_t rows = lights.rows().size();
+    for (std::size_t column = 0; column < kStride; column += hn::Lanes(d)) {
+        auto sum = hn::Zero(d);
+        for (std::size_t row = 0; row < rows; ++row) {
+            const std::size_t at = row * kStride + column;
+            const auto g = importances_at(d, lights.rows()[row], column, receiver, nullptr);
+            const auto w = hn::Mul(g, hn::Load(d, factors.of + at));
+            hn::Store(w, d, weights.of + at);
+            sum = hn::Add(sum, w);
+        }
+        hn::Store(sum, d, weights.columns + column);
+    }
+    weights.total = 0.0f;
+    for (const float sum : weights.columns) weights.total += sum;
+}
+
+HWY_ATTR inline float importance_of_light(const LightRows& lights, std::size_t place,
+                                          const Receiver& receiver) {
+    const Tag d;
+    const std::size_t lanes = hn::Lanes(d);
+    const std::size_t column = place % kStride, first = column / lanes * lanes;
+    HWY_ALIGN float g[kStride];
+    hn::Store(importances_at(d, lights.rows()[place / kStride], first, receiver, nullptr), d, g);
+    return g[column - first];
+}
+
 }  // namespace cut
 
-constexpr CutKernels kCutKernels{cut::weigh, cut::weight_of};
+constexpr CutKernels kCutKernels{cut::weigh, cut::weight_of, cut::weigh_lights,
+                                 cut::importance_of_light};
 
 inline const CutKernels& target_cut_kernels() {
     return kCutKernels;

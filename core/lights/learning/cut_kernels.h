@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "lights/learning/cluster_cut.h"
+#include "lights/learning/light_rows.h"
 #include "lights/light/receiver.h"
 
 namespace lightcull {
@@ -15,6 +16,14 @@ struct CutKernels {
 
     /// The weight of one of them, to the bit that of weigh() where it was not opened.
     float (*weight_of)(const ClusterCut& cut, std::uint32_t place, const Receiver& receiver);
+
+    /// Weighs each light: its importance by its factor.
+    void (*weigh_lights)(const LightRows& lights, const LightFactors& factors,
+                         const Receiver& receiver, LightWeights& weights);
+
+    /// The importance of one of them, to the bit that of weigh_lights().
+    float (*importance_of_light)(const LightRows& lights, std::size_t place,
+                                 const Receiver& receiver);
 };
 
 /// The kernels for the instruction set in use.

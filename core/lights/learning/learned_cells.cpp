@@ -41,6 +41,9 @@ constexpr std::uint32_t kFewForOneCut = 8192;
 
 LearnedLights::LearnedLights(const Frame& f, std::shared_ptr<const LightGroups> g)
     : frame(f), groups(std::move(g)), leaves(groups->bvh) {
+    if (leaves.size() > ClusterCut::kMaxSize && leaves.size() <= LightRows::kMost) {
+        rows.emplace(bvh(), leaves);
+    }
     if (leaves.size() == 0 || leaves.size() > kFewForOneCut) return;
     // The lights' bounds are two units wide.
     constexpr CutPlace kAll{{0, 0, 0}, {0, 0, 0}, 1.0f};
@@ -247,7 +250,9 @@ std::uint32_t LearnedCells::add_cell(const MetCell& met) {
 
 void LearnedCells::refresh(const LearnedLights& lights) {
     for_each_block(size(), kBlock, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) refresh_cut(lights.bvh(), places_[i], cuts_[i]);
+        for (std::size_t i = begin; i < end; ++i) {
+            refresh_cut(lights.bvh(), lights.leaves, places_[i], cuts_[i]);
+        }
     });
 }
 

@@ -16,6 +16,7 @@
 #include "lights/learning/cluster_cut.h"
 #include "lights/learning/cut_builder.h"
 #include "lights/learning/leaf_order.h"
+#include "lights/learning/light_rows.h"
 #include "lights/learning/new_cells.h"
 #include "lights/light/light_record.h"
 
@@ -26,6 +27,8 @@ struct LearnedLights {
     Frame frame;
     std::shared_ptr<const LightGroups> groups;
     LeafOrder leaves;
+    /// Each light, where there are few enough to weigh them all, and more than a cut holds.
+    std::optional<LightRows> rows;
     /// A cut for all points, where there are few enough lights for it.
     std::optional<ClusterCut> everywhere;
 

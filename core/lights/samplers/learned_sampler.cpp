@@ -44,6 +44,11 @@ class LearnedPass final : public LightSelector, public SamplerInfo {
         const std::uint32_t cell = find(point);
         if (!has_cut(cell)) return fallback_->select(point, u);
         const Receiver x = to_local(point);
+        if (by_light(cut_of(cell), x)) {
+            LightFactors factors;
+            factors.set(*lights_->rows, lights_->leaves, cut_of(cell));
+            return select_by_light(cell, factors, x, refine(u, point));
+        }
         CutWeights weights;
         weigh(cell, x, weights);
         LightBvhDescent descent;
@@ -69,9 +74,11 @@ class LearnedPass final : public LightSelector, public SamplerInfo {
         select_elsewhere(keys, points, u, selections);
         // The points of a cell come together, so that its cut is read from memory once.
         for_each_block(points.size(), kBlock, [&](std::size_t begin, std::size_t end) {
-            const std::uint64_t* const sorted =
+            std::uint64_t* const sorted =
                 sort_keys<2>(keys.data() + begin, scratch.data() + begin, end - begin);
-            select_in_cells({sorted, end - begin}, points, u, selections);
+            const std::size_t others =
+                select_by_light({sorted, end - begin}, points, u, selections);
+            select_in_cells({sorted, others}, points, u, selections);
         });
     } catch (const std::bad_alloc&) {
         throw Error("select(): no memory for the cells of " + std::to_string(points.size()) +
@@ -85,6 +92,10 @@ class LearnedPass final : public LightSelector, public SamplerInfo {
         if (slot == LightBvh<MeansNode>::kNoSlot || !(receipt.weight_sum > 0.0f)) return 0.0f;
         const Receiver x = to_local(point);
         const ClusterCut& cut = cut_of(cell_of(receipt));
+        if (by_light(cut, x)) {
+            return static_cast<float>(static_cast<double>(weight_of_light(cut, x, slot)) /
+                                      static_cast<double>(receipt.weight_sum));
+        }
         const WeightOfSlot top = weight_above(cut, x, slot);
         const double prob =
             static_cast<double>(top.weight) / static_cast<double>(receipt.weight_sum);
@@ -114,8 +125,20 @@ class LearnedPass final : public LightSelector, public SamplerInfo {
         const std::uint32_t cell = find(point);
         if (!has_cut(cell)) return sampler_info(*fallback_)->count(point);
         SelectionCounts counts;
+        const Receiver x = to_local(point);
+        if (by_light(cut_of(cell), x)) {
+            LightFactors factors;
+            factors.set(*lights_->rows, lights_->leaves, cut_of(cell));
+            LightWeights weights;
+            cut_kernels().weigh_lights(*lights_->rows, factors, x, weights);
+            const std::size_t places = lights_->rows->rows().size() * LightRows::kColumns;
+            counts.lights_tested = lights_->leaves.size();
+            counts.accepted = static_cast<std::uint32_t>(std::count_if(
+                weights.of, weights.of + places, [](float weight) { return weight > 0.0f; }));
+            return counts;
+        }
         CutWeights weights;
-        weigh(cell, to_local(point), weights);
+        weigh(cell, x, weights);
         counts.lights_tested = cut_of(cell).size + weights.opened_count * CutWeights::kWidth;
         for (std::uint32_t i = 0; i < weights.size; ++i) {
             counts.accepted += weights.of[i] > 0.0f ? 1 : 0;
@@ -186,6 +209,34 @@ class LearnedPass final : public LightSelector, public SamplerInfo {
     /// Weighs the clusters of a cell.
     void weigh(std::uint32_t cell, const Receiver& x, CutWeights& weights) const noexcept {
         cut_kernels().weigh(lights_->bvh(), cut_of(cell), x, weights);
+    }
+
+    /// True if each light is weighed at a receiver: where a cut misjudges it. Which of a cluster
+    /// lie in a lobe is told for so many lights in no more time than by opening it.
+    bool by_light(const ClusterCut& cut, const Receiver& x) const noexcept {
+        constexpr std::uint32_t kFewForLobes = 512;
+        return lights_->rows &&
+               (cut.by_light || (x.has_lobe() && lights_->leaves.size() <= kFewForLobes));
+    }
+
+    float weight_of_light(const ClusterCut& cut, const Receiver& x,
+                          LightBvhSlot slot) const noexcept {
+        const std::uint32_t leaf = lights_->leaves.first(slot);
+        const std::size_t place = lights_->rows->place_of_leaf(leaf);
+        return cut_kernels().importance_of_light(*lights_->rows, place, x) *
+               cut.visible[cut.cluster_of_leaf(leaf)];
+    }
+
+    /// factors: those of the cell's cut.
+    Selection select_by_light(std::uint32_t cell, const LightFactors& factors, const Receiver& x,
+                              double number) const noexcept {
+        LightWeights weights;
+        cut_kernels().weigh_lights(*lights_->rows, factors, x, weights);
+        const Receipt receipt{weights.total, key_of(cell)};
+        if (!(weights.total > 0.0f)) return {0, 0.0f, 0.0f, receipt};
+        const LightChoice choice = choose(*lights_->rows, weights, number);
+        const auto prob = static_cast<float>(choice.prob);
+        return {choice.child & ~LightBvhNode::kLight, prob, prob, receipt};
     }
 
     /// A slot of the tree, and the weight of the cluster that it holds.
@@ -261,6 +312,30 @@ class LearnedPass final : public LightSelector, public SamplerInfo {
                     result(descents[k], {weights[k].total(), key_of(cell_of(keys[begin + k]))});
             }
         }
+    }
+
+    /// Selects for those of the points at which each light is weighed, and returns the number of
+    /// others, whose keys go to the front.
+    std::size_t select_by_light(Span<std::uint64_t> keys, Span<const ShadingPoint> points,
+                                Span<const float> u, Span<Selection> selections) const noexcept {
+        if (!lights_->rows) return keys.size();
+        LightFactors factors;
+        const ClusterCut* known = nullptr;
+        std::size_t others = 0;
+        for (const std::uint64_t key : keys) {
+            const std::uint32_t cell = cell_of(key), i = index_of(key);
+            const Receiver x = to_local(points[i]);
+            if (is_elsewhere(key) || !by_light(cut_of(cell), x)) {
+                keys[others++] = key;
+                continue;
+            }
+            if (known != &cut_of(cell)) {
+                known = &cut_of(cell);
+                factors.set(*lights_->rows, lights_->leaves, *known);
+            }
+            selections[i] = select_by_light(cell, factors, x, refine(u[i], points[i]));
+        }
+        return others;
     }
 
     /// Selects for the points that no cut serves.
@@ -396,18 +471,16 @@ class LearnedSampler final : public LightSampler, public SamplerInfo {
   private:
     static constexpr std::uint64_t kStateVersion = 0x31306c6c7563u;
 
-    bool learns() const noexcept {
-        // Among so few there is less to gain by learning than it costs.
-        constexpr std::uint32_t kFew = 4;
-        return limits_.rounds > 0 && lights_->leaves.size() > kFew;
-    }
+    /// Among so few there is less to gain by learning than it costs.
+    bool are_few() const noexcept { return lights_->leaves.size() <= 4; }
+    bool learns() const noexcept { return limits_.rounds > 0 && !are_few(); }
     std::shared_ptr<LearnedCells> no_cells() const {
         return std::make_shared<LearnedCells>(
             LearningLimits{limits_.memory, learns() ? limits_.rounds : 0});
     }
     /// The cut for points that are in no cell, null if `culled` is better for them.
     const ClusterCut* everywhere() const noexcept {
-        return learns() && lights_->everywhere ? &*lights_->everywhere : nullptr;
+        return (learns() || are_few()) && lights_->everywhere ? &*lights_->everywhere : nullptr;
     }
     void renew() {
         current_ = std::make_unique<LearnedPass>(culled_, lights_, cells_, everywhere());

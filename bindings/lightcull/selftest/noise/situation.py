@@ -29,8 +29,10 @@ class Subject(Protocol):
     def mean(self) -> float:
         """The right mean."""
 
-    def estimate(self, sampler: str, seed: int, passes: int) -> Estimate:
-        """One sample in each pass at each of some thousand places."""
+    def estimate(self, sampler: str, seed: int, passes: int, even: bool) -> Estimate:
+        """One sample in each pass at each of some thousand places. even: by numbers that cover
+        their ranges evenly from pass to pass; else those of the passes are independent.
+        """
 
 
 @dataclass(frozen=True)
@@ -51,10 +53,10 @@ class Picture:
         self.scene = Scene()
         self._max_depth = max_depth
 
-    def estimate(self, sampler: str, seed: int, passes: int) -> Estimate:
+    def estimate(self, sampler: str, seed: int, passes: int, even: bool) -> Estimate:
         """The places are pixels."""
         settings = RenderSettings(
-            (self._EDGE, self._EDGE), self._max_depth, seed, threads=1, even_numbers=False
+            (self._EDGE, self._EDGE), self._max_depth, seed, threads=1, even_numbers=even
         )
         job = PathJob(self.scene, sampler, settings)
         sums = []

@@ -11,6 +11,10 @@ from ...sampler import LightSampler
 from .lamps import scattered
 from .situation import Estimate, Situation
 
+_GOLDEN = (5**0.5 - 1) / 2
+"""Of which the multiples' fractions are even (Weyl 1916)."""
+_BELOW_ONE = 1 - 2.0**-24
+
 
 def situations() -> Iterator[Situation]:
     anywhere = ((-4, 0, -4), (4, 4, 4))
@@ -48,16 +52,18 @@ class _Air:
     def mean(self) -> float:
         return float(self._value.sum(axis=1).mean())
 
-    def estimate(self, sampler: str, seed: int, passes: int) -> Estimate:
+    def estimate(self, sampler: str, seed: int, passes: int, even: bool) -> Estimate:
         normals = np.zeros_like(self._places)
         chooser = LightSampler(self._lights, sampler, calibration=(self._places, normals))
         random = np.random.default_rng(seed)
         row = np.arange(self._PLACES)
+        shift = random.random(self._PLACES)
         total, means = np.zeros(self._PLACES), []
         for number in range(passes):
             chooser.begin_pass(seed * passes + number)
-            u = random.random(self._PLACES, np.float32)
             sets = random.integers(0, chooser.set_count, self._PLACES, np.uint32)
+            trial = random.random(self._PLACES, np.float32)
+            u = np.float32((shift + number * _GOLDEN) % 1 * _BELOW_ONE) if even else trial
             chosen = chooser.select(self._places, normals, u, sets)
             prob, light = chosen["prob"].astype(float), chosen["light"]
             taken = prob > 0
@@ -65,5 +71,8 @@ class _Air:
             value = np.divide(self._value[row, light], prob, out=np.zeros_like(prob), where=taken)
             total += value
             means.append(value.mean())
-            chooser.report(self._places, normals, chosen, self._seen[row, light].astype(np.float32))
+            # What is learned may not depend on even numbers.
+            told = chooser.select(self._places, normals, trial, sets) if even else chosen
+            seen = self._seen[row, np.where(told["prob"] > 0, told["light"], 0)]
+            chooser.report(self._places, normals, told, seen.astype(np.float32))
         return Estimate(total / passes, np.array(means))
