@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <iterator>
 #include <limits>
 #include <memory>
@@ -185,7 +186,9 @@ class LearnedPass final : public LightSelector, public SamplerInfo {
         return cell < cells_->size() || everywhere_ != nullptr;
     }
     const ClusterCut& cut_of(std::uint32_t cell) const noexcept {
-        return cell < cells_->size() ? cells_->cut(cell) : *everywhere_;
+        const ClusterCut* const cut = cell < cells_->size() ? &cells_->cut(cell) : everywhere_;
+        assert(cut != nullptr);
+        return *cut;
     }
     std::uint32_t key_of(std::uint32_t cell) const noexcept {
         return kIsCell | (cell < cells_->size() ? cell : kEverywhere);
