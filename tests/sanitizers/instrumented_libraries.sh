@@ -62,12 +62,12 @@ make_library onetbb "$onetbb" -DTBB_SANITIZE=thread -DTBB_TEST=OFF -DTBB_STRICT=
 
 # As much of it as we use, for one instruction set.
 without=()
-for geometry in QUAD CURVE SUBDIVISION USER INSTANCE INSTANCE_ARRAY GRID POINT; do
+for geometry in QUAD CURVE SUBDIVISION USER INSTANCE_ARRAY GRID POINT; do
     without+=("-DEMBREE_GEOMETRY_$geometry=OFF")
 done
 # It has flags of its own for every build type that it knows.
 make_library embree "$embree" "${without[@]}" -DEMBREE_MAX_ISA=SSE2 -DEMBREE_ISPC_SUPPORT=OFF \
-    -DEMBREE_TUTORIALS=OFF -DEMBREE_FILTER_FUNCTION=OFF -DTBB_DIR="$PWD/lib/cmake/TBB" \
+    -DEMBREE_TUTORIALS=OFF -DTBB_DIR="$PWD/lib/cmake/TBB" \
     -DEMBREE_IGNORE_CMAKE_CXX_FLAGS=OFF -DCMAKE_BUILD_TYPE=Sanitized \
     -DCMAKE_CXX_FLAGS="-fsanitize=thread -O1 -g1 -DNDEBUG" \
     -DCMAKE_SHARED_LINKER_FLAGS="-fsanitize=thread"

@@ -87,7 +87,10 @@ class EmissionLattice {
     // the whole does, odd ones of those between them, which are upside down.
     std::uint32_t count_of(std::uint32_t line) const { return size_ - line / 2 - line % 2; }
     double offset_of(std::uint32_t line) const { return (1.0 + line % 2) / 3.0; }
-    double height_of(std::uint32_t line) const { return (line / 2 + offset_of(line)) / size_; }
+    double height_of(std::uint32_t line) const {
+        const std::uint32_t row = line / 2;
+        return (row + offset_of(line)) / size_;
+    }
     std::size_t index_of(std::uint32_t line, std::uint32_t i) const {
         const std::size_t row = line / 2;
         return line % 2 == 0 ? row * size_ + i : (size_ - 1 - row) * size_ + (size_ - 1 - i);

@@ -30,7 +30,8 @@ class LitDistances {
         constexpr double kNearer = 0.25;
         std::vector<float> distances;
         // A part from which too few rays have left takes those around it.
-        for (float scale = 1.0f; scale < kMostScale; scale *= 2.0f) {
+        for (int doubled = 0; doubled < kMostDoubled; ++doubled) {
+            const float scale = std::ldexp(1.0f, doubled);
             std::size_t count = 0;
             distances.clear();
             for (const Ray& ray : rays_) {
@@ -48,7 +49,7 @@ class LitDistances {
     }
 
   private:
-    static constexpr float kMostScale = 65536.0f;
+    static constexpr int kMostDoubled = 16;
 
     /// Whether the part holds a place, if it were larger about its middle.
     static bool holds(const ::lightcull::SubTriangle& part, float scale, ::lightcull::float2 at) {

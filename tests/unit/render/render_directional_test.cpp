@@ -48,7 +48,8 @@ std::shared_ptr<Scene> court() {
     scene->add_mesh(floor.mesh("floor", 0));
     scene->add_mesh(plate.mesh("plate", 0));
     for (int i = 0; i < 12; ++i) {
-        const auto x = static_cast<float>(i % 4), z = static_cast<float>(i / 4);
+        const int column = i % 4, row = i / 4;
+        const auto x = static_cast<float>(column), z = static_cast<float>(row);
         scene->add_point_light({x - 2.0f, 0.5f + 0.1f * x, z - 2.0f}, {0.3f, 0.3f, 0.3f});
     }
     scene->add_directional_light(from_zenith(0.6f), {1.0f, 0.8f, 0.6f});

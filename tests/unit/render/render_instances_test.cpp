@@ -25,7 +25,8 @@ Placement placed(double angle, float stretch, bool mirrored, float3 to) {
 std::vector<Placement> placements(std::uint32_t count) {
     std::vector<Placement> all;
     for (std::uint32_t i = 0; i < count; ++i) {
-        const auto x = static_cast<float>(i % 5), z = static_cast<float>(i / 5);
+        const std::uint32_t column = i % 5, row = i / 5;
+        const auto x = static_cast<float>(column), z = static_cast<float>(row);
         all.push_back(placed(0.7 * i, 0.6f + 0.1f * x, i % 2 == 1,
                              {1.2f * x - 2.4f, 0.55f, 1.2f * z - 1.2f}));
     }
@@ -151,7 +152,7 @@ TEST_CASE("instances take the memory of their transforms") {
         return scene->memory_size();
     };
     const SceneMemory one = memory(1, true), fifteen = memory(15, true), apart = memory(15, false);
-    CHECK(fifteen.data - one.data <= 14 * 128);
+    CHECK(fifteen.data - one.data <= std::size_t{14} * 128);
     CHECK(fifteen.bvh < one.bvh + 14 * 4096);
     CHECK(apart.data > 10 * fifteen.data);
     CHECK(apart.bvh > 5 * fifteen.bvh);

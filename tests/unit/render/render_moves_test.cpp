@@ -9,6 +9,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -40,6 +41,7 @@ struct Pose {
     float3 position(float3 p) const { return direction(p) + shift; }
     std::vector<float3> positions(const std::vector<float3>& from) const {
         std::vector<float3> moved;
+        moved.reserve(from.size());
         for (const float3 p : from) moved.push_back(position(p));
         return moved;
     }
@@ -133,12 +135,14 @@ constexpr Pose kPoses[] = {
     {0.1f, {0.3f, 0.1f, -0.2f}}, {0.0f, {0, 0, 0}}, {0.7f, {-0.5f, 0.2f, 0}}};
 
 bool same_bits(const Light& a, const Light& b) {
-    const auto same = [](const auto& x, const auto& y) {
-        return std::memcmp(&x, &y, sizeof x) == 0;
+    const auto numbers = [](const Light& light) {
+        const float3 center = light.center, axis = light.axis;
+        return std::array{center.x,     center.y,       center.z,          axis.x,
+                          axis.y,       axis.z,         light.cos_theta_o, light.cos_theta_e,
+                          light.radius, light.intensity};
     };
-    return same(a.center, b.center) && same(a.radius, b.radius) && same(a.axis, b.axis) &&
-           same(a.cos_theta_o, b.cos_theta_o) && same(a.cos_theta_e, b.cos_theta_e) &&
-           same(a.intensity, b.intensity) && a.two_sided == b.two_sided &&
+    const auto of_a = numbers(a), of_b = numbers(b);
+    return std::memcmp(of_a.data(), of_b.data(), sizeof of_a) == 0 && a.two_sided == b.two_sided &&
            a.directional == b.directional;
 }
 
