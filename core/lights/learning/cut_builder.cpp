@@ -397,7 +397,7 @@ void refresh_cut(const LightBvh<MeansNode>& bvh, const LeafOrder& leaves, const 
         cut.far_scale[at] *= cut.scale[at];
     }
     const bool may_be = cut.size < leaves.size() && leaves.size() <= LightRows::kMost;
-    cut.by_light = may_be && gains_by_each_light(bvh, place, cut);
+    cut.by_light = may_be && gains_by_each_light(bvh, leaves.size(), place, cut);
 }
 
 }  // namespace lightcull

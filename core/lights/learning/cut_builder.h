@@ -59,9 +59,10 @@ void rebuild_cut(const LightBvh<MeansNode>& bvh, const LeafOrder& leaves, const 
                  ClusterCut& cut, CutEvidence& evidence);
 
 /// True if points of a place are better served by the weights of all lights than by a cut, whose
-/// clusters are misjudged there: by the variance of a sample at some of them.
-bool gains_by_each_light(const LightBvh<MeansNode>& bvh, const CutPlace& place,
-                         const ClusterCut& cut) noexcept;
+/// clusters are misjudged there: by the variance of a sample at some of them, and by the time that
+/// so many lights take.
+bool gains_by_each_light(const LightBvh<MeansNode>& bvh, std::uint32_t light_count,
+                         const CutPlace& place, const ClusterCut& cut) noexcept;
 
 /// Takes the quantities of clusters, and their scales, from a tree that has been refitted.
 void refresh_cut(const LightBvh<MeansNode>& bvh, const LeafOrder& leaves, const CutPlace& place,

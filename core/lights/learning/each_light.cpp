@@ -71,10 +71,11 @@ Moments moments_at(const LightBvh<MeansNode>& bvh, const ClusterCut& cut,
 
 }  // namespace
 
-bool gains_by_each_light(const LightBvh<MeansNode>& bvh, const CutPlace& place,
-                         const ClusterCut& cut) noexcept {
-    // The variance by the cut, relative to that by each light, and in itself, that are worth it.
-    constexpr double kWorth = 1.2, kLeast = 0.002;
+bool gains_by_each_light(const LightBvh<MeansNode>& bvh, std::uint32_t light_count,
+                         const CutPlace& place, const ClusterCut& cut) noexcept {
+    // A sample that weighs so many lights takes twice the time. Variance below kLeast is not seen.
+    constexpr double kTwice = 1000.0, kLeast = 0.002;
+    const double worth = 1.0 + light_count / kTwice;
     // Away from the middle, at corners of a tetrahedron.
     constexpr float kAway = 0.4f;
     constexpr float3 kCorners[]{{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}};
@@ -88,7 +89,7 @@ bool gains_by_each_light(const LightBvh<MeansNode>& bvh, const CutPlace& place,
         by_cut += moments.second_by_cut / square - 1.0;
         by_each += moments.root_by_each * moments.root_by_each / square - 1.0;
     }
-    return by_cut > kWorth * std::max(by_each, 0.0) + 4.0 * kLeast;
+    return by_cut > worth * std::max(by_each, 0.0) + 4.0 * kLeast;
 }
 
 }  // namespace lightcull
