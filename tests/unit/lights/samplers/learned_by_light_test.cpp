@@ -54,6 +54,23 @@ double misjudged(const LightSampler& sampler, const std::vector<Light>& lights,
     return sum / static_cast<double>(points.size()) - 1.0;
 }
 
+/// In a corner of the ceiling: what little a wall hides leaves most of what clusters misjudge.
+bool in_corner(const Light& light) {
+    return light.center.x > 2.0f && light.center.z > 2.0f;
+}
+
+/// Reports that a wall hides from all points what is in the corner, and nothing else.
+void teach_corner(LightSampler& sampler, const std::vector<Light>& lights) {
+    const std::vector<ShadingPoint> points = floor_points(2000);
+    for (std::uint64_t pass = 0; pass < 40; ++pass) {
+        sampler.begin_pass(pass);
+        auto outcomes = outcomes_of(sampler, lights, points, pass, true);
+        for (LightOutcome& o : outcomes) o.visibility = in_corner(lights[o.light]) ? 0.0f : 1.0f;
+        sampler.report(outcomes);
+    }
+    sampler.begin_pass(40);
+}
+
 }  // namespace
 
 TEST_CASE("learned: up to 2,048 lights are each weighed where clusters of them are misjudged") {
@@ -80,7 +97,7 @@ TEST_CASE("learned: up to 2,048 lights are each weighed where clusters of them a
 TEST_CASE("learned: where each light is weighed, probabilities are those of select and sum to 1") {
     const std::vector<Light> lights = bulbs(60);
     const auto sampler = make_sampler("learned", lights);
-    teach(*sampler, lights, floor_points(2000), 0, 12);
+    teach_corner(*sampler, lights);
     std::size_t by_light = 0;
     for (const ShadingPoint& point : floor_points(60)) {
         const Selection s = sampler->select(point, 0.4f);
@@ -105,13 +122,13 @@ TEST_CASE("learned: where each light is weighed, what is hidden still counts for
         sampler.select(points, numbers(points.size(), 77), chosen);
         double hidden = 0.0;
         for (std::size_t i = 0; i < points.size(); ++i) {
-            hidden += visible(points[i], lights[chosen[i].light]) ? 0.0 : 1.0;
+            hidden += in_corner(lights[chosen[i].light]) ? 1.0 : 0.0;
         }
         return hidden / static_cast<double>(points.size());
     };
     const auto sampler = make_sampler("learned", lights);
     const double before = share_of_hidden(*sampler);
-    teach(*sampler, lights, points, 0, 20);
+    teach_corner(*sampler, lights);
     CHECK(share_of_hidden(*sampler) < 0.5 * before);
 }
 
@@ -120,7 +137,7 @@ TEST_CASE("learned: where each light is weighed, no instruction set and no batch
     const std::vector<Light> lights = bulbs(60);
     const std::vector<ShadingPoint> points = floor_points(2000);
     const auto sampler = make_sampler("learned", lights);
-    teach(*sampler, lights, points, 0, 12);
+    teach_corner(*sampler, lights);
     const std::vector<float> u = numbers(points.size(), 5);
     std::vector<Selection> expected(points.size()), found(points.size());
     sampler->select(points, u, expected);
@@ -139,7 +156,7 @@ TEST_CASE("learned: where each light is weighed, no instruction set and no batch
 }
 
 TEST_CASE("learned: where each light is weighed, each is chosen as often as it should be") {
-    const std::vector<Light> lights = bulbs(12);
+    const std::vector<Light> lights = bulbs(60);
     const auto sampler = make_sampler("learned", lights);
     constexpr int kNumbers = 400'000;
     std::vector<double> counts(lights.size());
