@@ -41,7 +41,7 @@ class Figures:
     """Of one sample over the square of the mean, on average over places: of independent numbers."""
     even_variance: float
     """The same of numbers that are even from pass to pass, as renders have them: PASSES times that
-    of so many samples."""
+    of so many samples. NaN where it was not measured."""
     mean: float
     """Over what is right."""
     z: float
@@ -100,11 +100,18 @@ class Row:
         return [figures for figures in self.others if figures.right] or self.others
 
 
-def measure(situation: Situation, default: str = DEFAULT, others: Iterable[str] = OTHERS) -> Row:
-    """Estimates by each sampler, of which each seed gives one."""
+def measure(
+    situation: Situation,
+    default: str = DEFAULT,
+    others: Iterable[str] = OTHERS,
+    *,
+    by_even: bool = True,
+) -> Row:
+    """Estimates by each sampler, of which each seed gives one; by_even: by even numbers, too."""
     subject = situation.make()
     names = (default, *others)
-    keys = [(name, even) for even in (False, True) for name in names]
+    kinds = (False, True) if by_even else (False,)
+    keys = [(name, even) for even in kinds for name in names]
     with ThreadPoolExecutor(cpu_count()) as pool:
         jobs = {key: pool.map(partial(_estimate, subject, *key), range(SEEDS)) for key in keys}
         truth = subject.mean()
@@ -114,7 +121,7 @@ def measure(situation: Situation, default: str = DEFAULT, others: Iterable[str] 
     variances = {key: _variance(found, usual) for key, found in places.items()}
     figures = [
         Figures(
-            name, variances[name, False], variances[name, True],
+            name, variances[name, False], variances.get((name, True), np.nan),
             *_mean(estimates[name, False], truth),
         )
         for name in names
